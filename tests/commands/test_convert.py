@@ -7,6 +7,7 @@ from tests.io.devices import at_rest, times, turned, write_text
 
 from imugap import cli
 from imugap.io import recording
+from imugap.log import AXES
 
 HEADER = ["Time (ms)", *(f"Gyro {a} (deg/s)" for a in "XYZ"), *(f"Accel {a} (g)" for a in "XYZ"), "flag"]
 
@@ -49,3 +50,23 @@ def test_what_cannot_be_converted_leaves_nothing(run, tmp_path, capsys, options)
     assert cli.main(["convert", "run.csv", *options]) == 1
     assert capsys.readouterr().err.count("\n") == 1
     assert set(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("place", "message"),
+    [(0, "line 40002, column time: expected a number of at most 1e+20"),
+     (1, "line 40002, column gyro_x: expected a number of at most 1e+12")],
+)  # fmt: skip
+def test_a_number_beyond_any_device_is_named_by_its_line(run, capsys, place, message):
+    cells = ["400000", "0", "0", "0", "0", "0", "1", "0"]
+    cells[place] = "1e300"
+    with run.open("a") as file:
+        file.write(",".join(cells) + "\n")
+    assert cli.main(["convert", "run.csv", "--out", "out.parquet"]) == 1
+    assert message in capsys.readouterr().err
+
+
+def test_stamps_of_which_none_increases_are_refused(run, capsys):
+    write_text(run, ["time", *AXES], np.column_stack([0 * times(), turned()]))
+    assert cli.main(["convert", "run.csv", "--out", "out.parquet"]) == 1
+    assert "stamps: expected a time that increases; found no stamp above" in capsys.readouterr().err

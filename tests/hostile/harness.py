@@ -16,17 +16,21 @@ from tempfile import TemporaryFile
 import numpy as np
 import pandas as pd
 import yaml
+from scipy.spatial.transform import Rotation
 from tests.hostile import mutations
 
 from imugap import cli, log
 from imugap.analysis import drive
 from imugap.effects import Bias, WhiteNoise
+from imugap.interchange.devices import catalogue as devices
 from imugap.interchange.export import Target
 from imugap.io import datasets
+from imugap.kinematics.error_free import POSITION, QUATERNION, error_free_log
 from imugap.model import ErrorModel
 from imugap.simulation.drive import Drive
 from imugap.simulation.walk import Walk, WalkCourse
 from imugap.stream import stream
+from imugap.units import STANDARD_GRAVITY
 
 ROOT = Path(__file__).parents[2]
 LONGEST_S = 60
@@ -76,6 +80,19 @@ def driven() -> tuple[pd.DataFrame, pd.DataFrame]:
     fixes = fixes.assign(**{name: np.degrees(fixes[name]) for name in ("latitude", "longitude")})
     record = recipe.record(1, 1)
     return record.iloc[:: max(round(0.05 / log.interval(record)), 1)].loc[:45.0], fixes
+
+
+@cache
+def posed() -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return the poses of a body that tumbles and sways, and the log of a device on it."""
+    time = 0.04 * np.arange(400)
+    attitude = Rotation.from_euler(
+        "ZYX", np.column_stack([0.8 * time, 0.5 * np.sin(1.3 * time), 0.4 * np.cos(0.9 * time)])
+    )
+    place = np.column_stack([np.sin(0.7 * time), time, np.cos(2 * time)])
+    columns = dict(zip(QUATERNION, attitude.as_quat().T, strict=True)) | dict(zip(POSITION, place.T, strict=True))
+    poses = pd.DataFrame(columns, index=pd.Index(time, name=log.TIME))
+    return poses, error_free_log(poses, time, -STANDARD_GRAVITY)
 
 
 def _csv(table: pd.DataFrame, index: bool = True) -> bytes:
@@ -183,10 +200,42 @@ def export(rng):
     return Case("export", ("model.yaml", "--to", target, "--rate", rate, *horizon, "--out", "out.yaml"), _model(rng))
 
 
+def convert(rng):
+    """Draw a case of ``convert``."""
+    name, content = _log(static(), rng)
+    if rng.uniform() < 0.3:
+        name, content = mutations.array_file(mutations.table_values(static(), rng).select_dtypes("number"), rng)
+    return Case("convert", (name, "--out", str(rng.choice(["out.parquet", "out.csv", name]))), {name: content})
+
+
+def models(rng):
+    """Draw a case of ``models``: a name that is none, or a file for the model of one."""
+    known = devices.names()
+    name = str(
+        rng.choice([*known, *known, known[0].upper(), known[-1][:-1], "../x", "", "\x00", "Ω" * 300, "model.yaml"])
+    )
+    out = rng.choice(["", "out.yaml", "no/such/folder.yaml", "."])
+    return Case("models", (name, *(("--out", str(out)) if out else ())), _model(rng))
+
+
+def reference(rng):
+    """Draw a case of ``reference``: the poses or the log are mutated."""
+    poses, measured = posed()
+    name, content = "log.csv", _csv(measured)
+    others = {"poses.csv": _csv(poses)}
+    if rng.uniform() < 0.5:
+        name, content = _log(measured, rng)
+    else:
+        poses_name, changed = _log(poses, rng)
+        others = {poses_name.replace("log", "poses"): changed}
+    options = ("--align",) if rng.uniform() < 0.5 else ("--lag", f"{rng.normal():g}") if rng.uniform() < 0.5 else ()
+    return Case("reference", (*others, "--log", name, *options, "--out", "out.csv"), {name: content} | others)
+
+
 CASES: dict[str, Callable[[np.random.Generator], Case]] = {
     "check": check, "formats": formats, "indices": indices, "estimate": estimate, "discover": discover, "walk": walked,
-    "drive": drove,
-    "simulate": simulate, "export": export,
+    "drive": drove, "simulate": simulate, "export": export, "convert": convert, "models": models,
+    "reference": reference,
 }  # fmt: skip
 
 
@@ -264,7 +313,11 @@ def _of_files(code: int, case: Case, folder: Path) -> list[str]:
     if code:
         return [f"leaves {name} though it failed" for name in left]
     changed = [name for name, content in case.contents.items() if (folder / name).read_bytes() != content]
-    return hidden + [f"changes {name}" for name in changed] + ([] if left or case.command == "check" else ["no output"])
+    return (
+        hidden
+        + [f"changes {name}" for name in changed]
+        + ([] if left or "--out" not in case.arguments else ["no output"])
+    )
 
 
 TABLES = {name: (ROOT / "data" / name).read_bytes() for name in ("datasets.csv", "files.csv")}

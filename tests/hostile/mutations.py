@@ -148,11 +148,15 @@ def _short(table, rng):
 
 
 def _stepped(table, rng):
+    if "time" not in table:
+        return table
     row = rng.integers(len(table))
     return table.assign(time=table["time"] + (np.arange(len(table)) > row) * rng.choice([-5.0, 1e-9, 1.0, 1e6]))
 
 
 def _jittered(table, rng):
+    if "time" not in table:
+        return table
     return table.assign(time=table["time"] + rng.normal(0, rng.choice([1e-6, 1e-3, 0.1]), len(table)))
 
 
@@ -289,7 +293,15 @@ def _structured(table, rng):
 
 def _shaped(table, rng):
     values = table.to_numpy(float)
-    shapes = [values.T, values[None], values.reshape(-1), values[:0], values[:, :1], values[0], np.float64(1.0)]
+    shapes = [
+        values.T,
+        values[None],
+        values.reshape(-1),
+        values[:0],
+        values[:, :1],
+        values[:1].ravel(),
+        np.float64(1.0),
+    ]
     return _saved(shapes[rng.integers(len(shapes))])
 
 

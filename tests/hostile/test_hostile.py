@@ -12,12 +12,12 @@ from imugap.stream import stream
 SEED = 7
 USUAL = {
     "check": 60, "formats": 40, "indices": 60, "simulate": 60, "export": 100, "estimate": 25, "discover": 8, "walk": 2,
-    "drive": 5,
+    "drive": 5, "convert": 40, "models": 10, "reference": 20,
 }  # fmt: skip
 """Number of cases of each command in the usual tests; those that reach a long computation are few."""
 ALL = {
     "check": 400, "formats": 600, "indices": 400, "simulate": 400, "export": 600, "estimate": 100, "discover": 14,
-    "walk": 5, "drive": 9,
+    "walk": 5, "drive": 9, "convert": 400, "models": 40, "reference": 200,
 }  # fmt: skip
 """The same in the slow tests."""
 

@@ -122,7 +122,9 @@ def test_noisy_and_shaken_devices_are_taken_without_a_word(tmp_path):
 def test_stamps_may_be_missing_where_the_rate_is_given(tmp_path):
     samples = at_rest(up=(0, 0, -1))
     path = write_text(tmp_path / "gyro.csv", [f"gyro_{a} (deg/s)" for a in "xyz"], np.degrees(samples[:, :3]))
-    with pytest.raises(LogError, match=r"line 1: expected stamps, or the rate of the samples \(--rate HZ\)"):
+    with pytest.raises(
+        LogError, match=r"line 1: expected stamps \(--columns time=NAME\), or the rate of the samples \(--rate HZ\)"
+    ):
         read(path)
     log = read(path, RecordingSettings(rate_hz=RATE)).log
     np.testing.assert_allclose(log.index, times(len(samples)))
@@ -154,3 +156,60 @@ def test_a_log_that_the_package_wrote_is_taken_as_it_is(tmp_path):
     pd.testing.assert_frame_equal(found.log, log)
     log.to_parquet(tmp_path / "own.parquet")
     assert read(tmp_path / "own.parquet").log[list(ACCEL)].mean()["accel_z"] == pytest.approx(-9.8, abs=0.05)
+
+
+GYRO_COUNTS = "whole numbers, which may be counts of a converter"
+
+
+@pytest.mark.parametrize("device", [at_rest, turned])
+@pytest.mark.parametrize("per_deg_per_s", [16.4, 131])
+def test_rates_in_whole_numbers_have_no_unit_by_physics(tmp_path, device, per_deg_per_s):
+    samples = device()
+    samples[:, :3] = np.round(np.degrees(samples[:, :3]) * per_deg_per_s)
+    path = written(tmp_path, samples, NAMELESS)
+    with pytest.raises(LogError, match=GYRO_COUNTS):
+        read(path)
+    found = read(path, RecordingSettings(units=given_units([f"gyro=deg/s/{per_deg_per_s}"]), frame="as-is"))
+    step = np.radians(1 / per_deg_per_s)
+    np.testing.assert_allclose(found.log[list(GYRO)], device()[:, :3], atol=step / 2 + 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("per_g", "reading"),
+    [(1000, None), (1024, "gravity in mg, or counts of a converter of 1024 counts per g"),
+     (1200, "gravity in mg, or counts of a converter of about 1200 per g"),
+     (800, "counts of a converter of about 800 per g"), (4096, "counts of a converter of 4096 counts per g")],
+)  # fmt: skip
+def test_forces_in_whole_numbers_are_mg_or_counts(tmp_path, per_g, reading):
+    samples = at_rest()
+    samples[:, 3:] = np.round(samples[:, 3:] / 9.80665 * per_g)
+    path = written(tmp_path, samples, NAMELESS)
+    if reading is None:
+        assert "accel mg -> m/s^2 from gravity" in read(path).recognised
+        return
+    with pytest.raises(LogError, match=reading):
+        read(path)
+    log = read(path, RecordingSettings(units=given_units([f"accel=g/{per_g}"]))).log
+    assert log["accel_z"].mean() == pytest.approx(-9.80665, abs=0.01)
+
+
+@pytest.mark.parametrize(("gyro", "accel"), [("rev/min", "cm/s^2"), ("arcsec/s", "mm/s^2"), ("urad/s", "ft/s^2")])
+def test_rare_units_of_a_header_are_converted(tmp_path, gyro, accel):
+    header = ["t [s]", *(f"Gyro {a} [{gyro}]" for a in "XYZ"), *(f"Acc {a} [{accel}]" for a in "XYZ")]
+    found = read(written(tmp_path, turned(), header, gyro, accel), RecordingSettings(frame="as-is"))
+    np.testing.assert_allclose(found.log.to_numpy(), turned(), rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("gyro", "accel", "message"),
+    [("furlong/h", "m/s^2", "found 'furlong/h' in the header"),
+     ("LSB", "m/s^2", "found 'counts' in the header: counts of a"),
+     ("deg/s", "Kg/lb", "found 'Kg/lb' in the header")],
+)  # fmt: skip
+def test_a_unit_of_a_header_that_is_not_known_is_refused_and_the_option_decides(tmp_path, gyro, accel, message):
+    header = ["t [s]", *(f"Gyro {a} [{gyro}]" for a in "XYZ"), *(f"Acc {a} [{accel}]" for a in "XYZ")]
+    path = written(tmp_path, turned(), header)
+    with pytest.raises(LogError, match=message):
+        read(path)
+    found = read(path, RecordingSettings(units=given_units(["rad/s", "m/s^2"]), frame="as-is"))
+    np.testing.assert_allclose(found.log.to_numpy(), turned(), rtol=1e-6, atol=1e-9)

@@ -23,6 +23,7 @@ import numpy as np
 import pandas as pd
 
 from imugap.integrity.regular import Regular, regular
+from imugap.io.devices import one_device
 from imugap.io.formats.catalogue import open_source
 from imugap.io.formats.memory import table_source
 from imugap.io.formats.source import Source, sha256_of
@@ -35,6 +36,8 @@ from imugap.log import AXES, TIME, LogError, check
 
 SAMPLE_ROWS = 2000
 """Rows on which a column of stamps has to advance, where there are several."""
+LARGEST_WHOLE = 2**62
+"""Stamps below it are kept as whole numbers."""
 SHOWN = 3
 """Columns that are left out and named."""
 
@@ -140,7 +143,9 @@ def stream(path: str | Path, settings: RecordingSettings = DEFAULTS) -> tuple[Co
     source = _opened(Path(path), settings)
     try:
         selection = _selected(source, settings)
-        found = _conversion(selection, *_stretches(source, selection), settings)
+        excerpt, raw = _stretches(source, selection)
+        _require_clock(source, raw)
+        found = _conversion(selection, excerpt, raw, settings)
     except LogError as error:
         raise LogError(path, error.place, error.expected, error.found) from error
     said = replace(found, recognised=(*source.notes, *found.recognised, *_left_out(selection)))
@@ -172,8 +177,10 @@ class Selection:
 
 
 def _opened(path: Path, settings: RecordingSettings) -> Source:
-    """Return the columns of a file, those of a group where one is asked for."""
+    """Return the columns of a file, those of a group, and the rows of a device, where one is asked for."""
     source = open_source(path, settings)
+    if source.topic is None:
+        source = one_device(source, settings.topic)
     return source if settings.topic is None or source.topic is not None else source.group(settings.topic)
 
 
@@ -202,6 +209,11 @@ def _require_sound(source: Source, columns: dict[str, np.ndarray], raw: np.ndarr
     if count < 2:
         raise LogError(source.path, "rows", "at least 2 samples", str(count))
     require_range(({} if raw is None else {TIME: raw}) | columns, source.path, source.place)
+    _require_clock(source, raw)
+
+
+def _require_clock(source: Source, raw: np.ndarray | None) -> None:
+    """Raise a LogError unless some stamps increase."""
     if raw is not None and not stamps.step_of(raw) > 0:
         raise LogError(source.path, "stamps", "a time that increases", "no stamp above the one before")
 
@@ -216,7 +228,7 @@ def _selected(source: Source, settings: RecordingSettings) -> Selection:
 
 
 def _conversion(selection: Selection, excerpt: dict, raw: np.ndarray | None, settings: RecordingSettings) -> Conversion:
-    if selection.whole and (raw == np.rint(raw)).all():
+    if selection.whole and (np.abs(raw) < LARGEST_WHOLE).all() and (raw == np.rint(raw)).all():
         raw = raw.astype(np.int64)
     return conversion(excerpt, raw, selection.stamp_name or selection.rate, selection.assignment, settings)
 
@@ -241,6 +253,8 @@ def _parts(source: Source, selection: Selection, found: Conversion) -> Iterator[
         raw = None if selection.stamp is None else batch.pop()
         block = np.array(batch, float)
         values = dict(zip(columns, block, strict=True))
+        stamped = {} if raw is None else {TIME: raw}
+        require_range(stamped | values, source.path, lambda number, first=row: source.place(first + number))
         time = raw if source.canonical else found.apply(values, raw, row)
         row += block.shape[1]
         yield pd.DataFrame(values, index=pd.Index(time, name=TIME))
@@ -274,17 +288,28 @@ def _time_column(source: Source, names: list[str], assignment: Assignment, setti
     """Return the position of the column of stamps, None where ``--rate`` or a rate in the file stands for it."""
     if settings.rate_hz:
         return None
-    places = [names.index(name) for name in assignment.times]
-    if TIME in names:
-        return names.index(TIME)
+    places = [names.index(name) for name in ((TIME,) if TIME in names else assignment.times)]
     if not places and source.rate:
         return None
     if not places:
         counter = f"; {assignment.counters[0]!r} counts samples and is no clock" if assignment.counters else ""
         found = f"{', '.join(assignment.columns.values())[:120]}{counter}"
-        raise LogError(source.path, source.heading, "stamps, or the rate of the samples (--rate HZ)", found)
-    steady = [stamps.advances(values) for values in source.head(places, SAMPLE_ROWS)] if len(places) > 1 else [True]
+        raise LogError(
+            source.path, source.heading, "stamps (--columns time=NAME), or the rate of the samples (--rate HZ)", found
+        )
+    found = [_first_stamps(source, place) for place in places] if len(places) > 1 or source.rate else [None]
+    steady = [values is None or stamps.advances(values) for values in found]
+    if source.rate and all(values is not None and not np.isfinite(values).any() for values in found):
+        return None
     return places[steady.index(True) if True in steady else 0]
+
+
+def _first_stamps(source: Source, place: int) -> np.ndarray:
+    """Return the first stamps of a column; none where it has texts that are no times."""
+    try:
+        return source.head([place], SAMPLE_ROWS)[0].astype(float)
+    except LogError:
+        return np.empty(0)
 
 
 def _left_out(selection: Selection) -> tuple[str, ...]:

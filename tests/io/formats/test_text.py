@@ -125,3 +125,76 @@ def test_names_that_repeat_are_told_by_those_of_groups_above_them(tmp_path):
     found = read(path, RecordingSettings(rate_hz=RATE, topic="left"))
     np.testing.assert_allclose(found.log.to_numpy(), samples()[:, 1:], rtol=1e-8)
     assert "columns of left" in found.recognised
+
+
+def test_a_header_that_stands_again_is_no_row(tmp_path):
+    table = samples()
+    for separator in (",", " "):
+        path = write_text(tmp_path / "run.csv", NAMES, table, separator=separator)
+        lines = path.read_text().splitlines()
+        path.write_text("\n".join([*lines[:200], lines[0], *lines[200:]]) + "\n")
+        found = read(path)
+        np.testing.assert_allclose(found.log.to_numpy(), table[:, 1:], rtol=1e-8)
+        assert found.place(198) == "line 200"
+        assert found.place(199) == "line 202"
+
+
+def test_a_second_run_below_its_own_header_is_named(tmp_path):
+    path = write_text(tmp_path / "run.csv", NAMES, samples())
+    lines = path.read_text().splitlines()
+    later = [f"{float(line.partition(',')[0]) / 2:.9g},{line.partition(',')[2]}" for line in lines[1:]]
+    path.write_text("\n".join([*lines, lines[0], *later]) + "\n")
+    with pytest.raises(LogError, match=r"line 503, column time: .*another run begins there"):
+        _ = read(path).regular
+
+
+@pytest.mark.parametrize("line", ["// Update Rate: 100.0Hz", "OutputRate:,100Hz", "Sampling frequency = 0.1 kHz"])
+def test_a_rate_in_the_head_stands_for_stamps(tmp_path, line):
+    path = write_text(tmp_path / "run.csv", AXES, samples()[:, 1:], before=[line, "// Firmware Version: 2.5.1"])
+    found = read(path)
+    assert any(sentence.startswith("no stamps, 100 Hz from ") for sentence in found.recognised)
+    np.testing.assert_allclose(found.log.index, times(COUNT))
+
+
+def test_empty_stamps_are_none_where_the_head_has_a_rate(tmp_path):
+    path = write_text(tmp_path / "run.csv", NAMES, samples(), before=["# Sample rate: 100 Hz"])
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[:2], *("," + line.partition(",")[2] for line in lines[2:])]) + "\n")
+    np.testing.assert_allclose(read(path).log.index, times(COUNT))
+
+
+def test_lines_of_numbers_in_the_head_are_no_rows(tmp_path):
+    before = [
+        "LabVIEW Measurement",
+        "Samples\t500\t500\t500",
+        "Date\t2024/05/01",
+        "Delta_X\t0.01\t0.01",
+        "***End***",
+        "",
+    ]
+    path = write_text(tmp_path / "run.lvm", ["X_Value", *AXES, "Comment"], samples(), separator="\t", before=before)
+    log = read(path).log
+    np.testing.assert_allclose(log.to_numpy(), samples()[:, 1:], rtol=1e-8)
+    np.testing.assert_allclose(log.index, times(COUNT), atol=1e-9)
+
+
+def test_the_number_of_a_row_without_a_name_is_no_time(tmp_path):
+    table = np.column_stack([1 + np.arange(COUNT), samples()])
+    found = read(write_text(tmp_path / "r.txt", NAMES, table, separator=" "))
+    np.testing.assert_allclose(found.log.to_numpy(), samples()[:, 1:], rtol=1e-8)
+    np.testing.assert_allclose(found.log.index, times(COUNT), atol=1e-9)
+
+
+@pytest.mark.parametrize("missing", ["-1.#IND", "1.#QNAN", "nan(ind)", "--", "n/a"])
+def test_a_missing_value_is_one_in_the_words_of_any_program(tmp_path, missing):
+    path = write_text(tmp_path / "run.csv", NAMES, samples())
+    lines = path.read_text().splitlines()
+    lines[100] = ",".join([*lines[100].split(",")[:-1], missing])
+    path.write_text("\n".join(lines) + "\n")
+    assert read(path).table["accel_z"].isna().sum() == 1
+
+
+def test_a_time_in_words_that_are_none_gives_way_to_another(tmp_path):
+    rows = [",".join(["now", *(f"{value:.9g}" for value in row)]) for row in samples()]
+    (tmp_path / "run.csv").write_text("\n".join([",".join(["timestamp", "elapsed (s)", *AXES]), *rows]) + "\n")
+    np.testing.assert_allclose(read(tmp_path / "run.csv").log.index, times(COUNT))

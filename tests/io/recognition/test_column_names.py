@@ -122,3 +122,36 @@ def test_p_q_and_r_are_body_rates_where_there_are_all_three():
     assert assign(["time", "p", "q", "r", "wx", "wy", "wz"]).columns["gyro_x"] == "wx"
     assert assign(["t", "p (deg/s)", "q (deg/s)", "r (deg/s)"]).units == {"gyro": "deg/s"}
     assert not assign(["t", "p (Pa)", "q (deg/s)", "r (deg/s)"]).columns
+
+
+@pytest.mark.parametrize("pattern", ["imu 1: {}.{} 1", "{}{}_2", "{}[{}] sensor 0"])
+def test_a_number_beside_a_letter_is_no_axis(pattern):
+    columns = assign(["t", *(pattern.format(name, axis) for name in ("GYRO", "ACC") for axis in XYZ)]).columns
+    assert [columns[axis] for axis in AXES] == [pattern.format(name, axis) for name in ("GYRO", "ACC") for axis in XYZ]
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_numbered_axes_count_from_zero_or_one(first):
+    names = [f"{name}_{first + k}" for name in ("AngularVelocity", "Acceleration") for k in range(3)]
+    assert list(assign(["Time", *names]).columns.values()) == names
+
+
+def test_the_axis_may_stand_first():
+    names = ["xgyro", "ygyro", "zgyro", "xacc", "yacc", "zacc"]
+    assert list(assign(["time_boot_ms", *names, "xmag", "ymag", "zmag"]).columns.values()) == names
+
+
+@pytest.mark.parametrize("name", ["Accel X (LSB)", "Accel X [counts]", "accel_x_lsb", "accel x (raw)"])
+def test_counts_are_no_unit(name):
+    assert meaning(name).unit == "counts"
+
+
+def test_a_unit_that_is_not_known_is_kept_and_one_of_another_quantity_is_of_no_sensor():
+    assert meaning("Gyro X [furlong/h]").unit == "furlong/h"
+    assert meaning("Gyro X (left)").unit is None
+    assert meaning("Accel X [deg/s]") is None
+
+
+@pytest.mark.parametrize("name", ["GpsTow", "SOW", "iTOW", "Zeit", "X_Value"])
+def test_times_of_a_week_and_of_other_languages_are_times(name):
+    assert assign([name, *AXES]).times == (name,)

@@ -42,6 +42,9 @@ class Source:
         Names of the columns that are written as whole numbers.
     rate
         Sampling rate that the file states [Hz], and the name of the value; None where there is none.
+    cells
+        From the position of a column, an iterator over its cells as texts, in the rows of ``batches``; None where all
+        columns are numbers.
     """
 
     path: Path
@@ -55,6 +58,13 @@ class Source:
     topic: str | None = None
     whole: frozenset[str] = frozenset()
     rate: tuple[float, str] | None = None
+    cells: Callable[[int], Iterator[np.ndarray]] | None = None
+
+    def texts(self, column: int) -> Iterator[np.ndarray]:
+        """Return an iterator over the cells of a column as texts, in the rows of ``batches``."""
+        if self.cells is not None:
+            return self.cells(column)
+        return (values.astype(str) for (values,) in self.batches([column]))
 
     def group(self, topic: str) -> "Source":
         """Return the columns with names ``topic.name``, without the topic; LogError where there are none."""
@@ -73,6 +83,7 @@ class Source:
             notes=notes,
             topic=topic,
             whole=frozenset(parts[k][1] for k in kept if self.names[k] in self.whole),
+            cells=lambda column: self.texts(kept[column]),
         )
 
     def load(self, columns: Sequence[int], stamp: int | None) -> tuple[np.ndarray, np.ndarray | None]:

@@ -9,7 +9,7 @@ import csv
 import io
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -18,6 +18,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 
+from imugap.io.formats import clock_text
 from imugap.io.formats.source import Source
 from imugap.io.recognition.unit_text import unit_of
 from imugap.log import LogError
@@ -25,17 +26,23 @@ from imugap.log import LogError
 HEAD_BYTES = 1 << 16
 BLOCK_BYTES = 1 << 20
 SAMPLE_ROWS = 200
+FIRST_ROWS = 3
+"""Lines of numbers that follow each other at the begin of a table; a line of numbers alone may be of its head."""
 SEPARATORS = (",", ";", "\t", "|", " ")
 COMMENT = ("#", "%", "//", ";;", "!")
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf|infinity)", re.IGNORECASE)
 COMMA_NUMBER = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
 INTEGER = re.compile(r"[-+]?\d{1,18}")
-STAMP = re.compile(r"\d{4}-\d\d-\d\d[ T]\d\d:\d\d:\d\d")
-CLOCK = re.compile(r"(\d{1,2}):(\d\d):(\d\d)(?:[.,:](\d{1,9}))?")
-"""Time of day, as loggers of phones write it; milliseconds may stand behind a colon."""
+STAMP = re.compile(r"\d{4}-\d\d-\d\d[ T]\d\d:[0-5]\d:[0-5]\d(\.\d+)?(Z|[+-]\d\d:?\d\d)?")
+"""Dates that are read as such by the reader of tables; others are read as texts."""
 ZONE = re.compile(r"(Z|[+-]\d\d:?\d\d)$")
 ENCODINGS = {codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16", codecs.BOM_UTF8: "utf-8-sig"}
-MISSING = ["", "nan", "NaN", "NAN", "NA", "N/A", "null", "NULL", "None", "#N/A", "-nan"]
+MISSING = [
+    "", "nan", "NaN", "NAN", "Nan", "NA", "N/A", "n/a", "null", "NULL", "None", "#N/A", "-nan", "nan(ind)", "-nan(ind)",
+    "-1.#IND", "1.#IND", "1.#QNAN", "-1.#QNAN", "--", "-",
+]  # fmt: skip
+RATE = re.compile(r"(\w*\s?(?:rate|frequency|frequenz)|odr)\b[^\d\n]{0,12}(\d+\.?\d*)\s*(k?)hz", re.IGNORECASE)
+"""Words of a sampling rate in the head of a table."""
 EXCERPT = 60
 UNENDED = "left out the last line, which has no end"
 LONG = 9
@@ -64,6 +71,10 @@ class Dialect:
         Number of values in a row.
     end
         Number of bytes up to the end of the last line that has one.
+    header
+        Line before the first row, where there are names; it may stand again among the rows.
+    rate
+        Sampling rate that the lines before the rows state [Hz], and these words; None where there is none.
     """
 
     encoding: str
@@ -74,6 +85,12 @@ class Dialect:
     sample: tuple[tuple[str, ...], ...]
     width: int
     end: int
+    header: str | None
+    rate: tuple[float, str] | None
+
+    def is_row(self, line: str) -> bool:
+        """Return whether a line behind the head is a row: neither empty nor the header again."""
+        return bool(line.strip()) and line.strip() != self.header
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -103,6 +120,8 @@ def open_source(path: Path, settings) -> Source:
         notes=(UNENDED,) if rest else (),
         heading=f"line {max(dialect.first, 1)}",
         whole=frozenset(name for k, name in enumerate(dialect.names) if _is_whole(dialect, k)),
+        rate=dialect.rate,
+        cells=lambda column: _texts(path, dialect, column),
     )
 
 
@@ -133,15 +152,17 @@ def sniff(path: Path) -> Dialect:
             raise LogError(path, "rows", "at least 2 samples", "0")
         raise LogError(path, "line 1", "a header and rows of numbers", repr(whole[0][:EXCERPT]))
     width = Counter(map(len, rows)).most_common(1)[0][0]
-    names = _header(whole[:first], separator, width)
+    names = _header(whole[:first], separator, width, all(not row[-1] for row in rows if len(row) == width))
+    rate = _rate(whole[:first])
     decimal = "," if any(COMMA_NUMBER.fullmatch(cell.strip()) for row in rows for cell in row) else "."
-    return Dialect(encoding, separator, decimal, names, first, tuple(rows), width, _end(path, encoding))
+    header = whole[first - 1].strip() if first and any(names) else None
+    return Dialect(encoding, separator, decimal, names, first, tuple(rows), width, _end(path, encoding), header, rate)
 
 
 def place(path: Path, dialect: Dialect, row: int) -> str:
     """Return the line of a row, counted from 1 with all lines."""
     with path.open(encoding=dialect.encoding, errors="replace", newline=None) as handle:
-        rows = (number for number, line in enumerate(handle, 1) if number > dialect.first and line.strip())
+        rows = (number for number, line in enumerate(handle, 1) if number > dialect.first and dialect.is_row(line))
         return f"line {next(islice(rows, row, None), dialect.first + row + 1)}"
 
 
@@ -176,22 +197,23 @@ def _is_row(cells: list[str], separator: str) -> bool:
 def _table(lines: list[str], separator: str) -> tuple[float, str, int, list[tuple[str, ...]]]:
     """Return how much of the lines is a table with this separator, and the first rows of it."""
     cells = [(number, _cells(line, separator)) for number, line in enumerate(lines) if line.strip()]
-    first = next(
-        (number for number, row in cells if _is_row(row, separator) and not lines[number].lstrip().startswith(COMMENT)),
-        len(lines),
-    )
+    are_rows = [_is_row(row, separator) and not lines[number].lstrip().startswith(COMMENT) for number, row in cells]
+    begins = [(cells[k][0], all(are_rows[k : k + FIRST_ROWS])) for k in np.flatnonzero(are_rows)]
+    first = next((number for number, goes_on in begins if goes_on), begins[0][0] if begins else len(lines))
     rows = [tuple(row) for number, row in cells if number >= first][:SAMPLE_ROWS]
     numbers = sum(_is_number(cell, separator) for row in rows for cell in row)
     texts = sum(bool(cell) and not _is_number(cell, separator) for row in rows for cell in row)
     return (numbers - texts) / max(len(rows), 1), separator, first, rows
 
 
-def _header(lines: list[str], separator: str, width: int) -> tuple[str, ...]:
+def _header(lines: list[str], separator: str, width: int, trailing: bool) -> tuple[str, ...]:
     """Return the names of the columns from the lines before the first row.
 
     A line of units below the names is joined to them; names that repeat are joined to those of groups above them.
+    ``trailing``: whether the rows end with a separator.
     """
-    rows = [cells for line in lines if (cells := _names(line.lstrip("\ufeff").strip(), separator, width)) is not None]
+    split = (_names(line.lstrip("\ufeff").strip(), separator, width) for line in lines)
+    rows = [_fitted(cells, width, trailing) for cells in split if cells is not None]
     if not rows:
         return ("",) * width
     names = rows[-1]
@@ -200,6 +222,13 @@ def _header(lines: list[str], separator: str, width: int) -> tuple[str, ...]:
     elif len(rows) > 1 and len(set(names)) < width == len(set(zip(rows[-2], names, strict=True))):
         names = [f"{group}.{name}" for group, name in zip(rows[-2], names, strict=True)]
     return tuple(names)
+
+
+def _rate(lines: list[str]) -> tuple[float, str] | None:
+    """Return the sampling rate that a line of the head states [Hz], and its words; None where none or several do."""
+    found = {float(one[2]) * (1e3 if one[3].lower() == "k" else 1.0): one[1] for one in map(RATE.search, lines) if one}
+    known = [(rate, " ".join(words.split())) for rate, words in found.items() if rate > 0]
+    return known[0] if len(known) == 1 else None
 
 
 def _names(line: str, separator: str, width: int) -> list[str] | None:
@@ -211,8 +240,19 @@ def _names(line: str, separator: str, width: int) -> list[str] | None:
     for cells in sorted(splits, key=lambda cells: len(cells) != width):
         named = sum(bool(cell) for cell in cells)
         if width - 1 <= len(cells) <= width + 1 and named >= min(2, width):
-            return [*cells, *[""] * (width - len(cells))]
+            return cells
     return None
+
+
+def _fitted(cells: list[str], width: int, trailing: bool) -> list[str]:
+    """Return one name for each value of a row.
+
+    A name less: the values end with a separator, or begin with the number of the row, as tables of R do. A name more:
+    that of a remark, which no row has, or of what stands behind a last separator.
+    """
+    if len(cells) < width:
+        return [*cells, ""] if trailing else ["", *cells]
+    return cells[:width]
 
 
 def _are_units(cells: list[str]) -> bool:
@@ -223,21 +263,35 @@ def _are_units(cells: list[str]) -> bool:
 
 def _batches(path: Path, dialect: Dialect, columns: Sequence[int]) -> Iterator[list[np.ndarray]]:
     """Yield the numbers of columns, shape (n,); dates are nanoseconds since 1970, times of day since midnight."""
+    kinds = {column: _kind(dialect, column) for column in columns}
+    try:
+        for batch in _read(path, dialect, kinds):
+            yield [_numbers(batch[k]) for k in columns]
+    except pa.ArrowInvalid as error:
+        raise _diagnosis(path, dialect, columns, str(error)) from error
+
+
+def _texts(path: Path, dialect: Dialect, column: int) -> Iterator[np.ndarray]:
+    """Yield the cells of a column, shape (n,), in the rows of the numbers."""
+    for batch in _read(path, dialect, {column: pa.string()}):
+        yield batch[column].fill_null("").to_numpy(zero_copy_only=False)
+
+
+def _read(path: Path, dialect: Dialect, kinds: Mapping[int, pa.DataType]) -> Iterator[Mapping[int, pa.Array]]:
+    """Yield the cells of columns of these kinds; ArrowInvalid where one is of another."""
     names = [str(k) for k in range(max(len(dialect.names), dialect.width))]
-    kinds = {str(k): _kind(dialect, k) for k in columns}
+    types = {str(column): kind for column, kind in kinds.items()}
     converting = pa.csv.ConvertOptions(
-        column_types=kinds, include_columns=list(kinds), null_values=MISSING, decimal_point=dialect.decimal
-    )
+        column_types=types, include_columns=list(types), null_values=MISSING, strings_can_be_null=True,
+        decimal_point=dialect.decimal,
+    )  # fmt: skip
     reading = pa.csv.ReadOptions(
         column_names=names, skip_rows=dialect.first, block_size=BLOCK_BYTES, encoding=dialect.encoding
     )
     parsing = pa.csv.ParseOptions(delimiter=dialect.separator, invalid_row_handler=_skip_comment)
-    try:
-        with _stream(path, dialect) as stream, pa.csv.open_csv(stream, reading, parsing, converting) as reader:
-            for batch in reader:
-                yield [_numbers(batch.column(str(k))) for k in columns]
-    except pa.ArrowInvalid as error:
-        raise _diagnosis(path, dialect, columns, str(error)) from error
+    with _stream(path, dialect) as stream, pa.csv.open_csv(stream, reading, parsing, converting) as reader:
+        for batch in reader:
+            yield {column: batch.column(str(column)) for column in kinds}
 
 
 def _skip_comment(row) -> str:
@@ -254,9 +308,9 @@ def _kind(dialect: Dialect, column: int) -> pa.DataType:
     cells = [row[column] for row in dialect.sample if column < len(row) and row[column]]
     if cells and all(INTEGER.fullmatch(cell) for cell in cells) and max(map(len, cells)) > LONG:
         return pa.int64()
-    if cells and all(STAMP.match(cell) for cell in cells):
+    if cells and all(STAMP.fullmatch(cell) for cell in cells):
         return pa.timestamp("ns", tz="UTC" if all(ZONE.search(cell) for cell in cells) else None)
-    if cells and all(CLOCK.fullmatch(cell) for cell in cells):
+    if cells and all(map(clock_text.is_time, cells)):
         return pa.string()
     return pa.float64()
 
@@ -264,26 +318,17 @@ def _kind(dialect: Dialect, column: int) -> pa.DataType:
 def _is_readable(cell: str, kind: pa.DataType, separator: str) -> bool:
     """Return whether a cell is a value of the kind of its column."""
     if pa.types.is_string(kind):
-        return bool(CLOCK.fullmatch(cell))
+        return clock_text.is_time(cell)
     if pa.types.is_timestamp(kind):
-        return bool(STAMP.match(cell))
+        return bool(STAMP.fullmatch(cell))
     return _is_number(cell, separator)
-
-
-def _since_midnight(cell: str | None) -> int:
-    """Return a time of day in nanoseconds."""
-    found = CLOCK.fullmatch(cell or "")
-    if found is None:
-        raise pa.ArrowInvalid(f"{cell!r} is no time of day")
-    hour, minute, second, rest = found.groups()
-    return ((int(hour) * 60 + int(minute)) * 60 + int(second)) * 10**9 + int((rest or "").ljust(9, "0"))
 
 
 def _numbers(values: pa.Array) -> np.ndarray:
     if pa.types.is_timestamp(values.type):
         values = values.cast(pa.int64())
     if pa.types.is_string(values.type):
-        return np.array([_since_midnight(cell) for cell in values.to_pylist()], np.int64)
+        return clock_text.nanoseconds(values)
     return values.to_numpy(zero_copy_only=False)
 
 
@@ -313,16 +358,21 @@ def _rest(path: Path, end: int) -> bytes:
 
 def _stream(path: Path, dialect: Dialect):
     """Return a stream of the whole lines of a text in which one character separates the values."""
-    source = WholeLines(path, dialect.end, blanks=dialect.separator == " ")
+    header = dialect.header.encode(dialect.encoding) if dialect.header and dialect.encoding != "utf-16" else None
+    source = WholeLines(path, dialect.end, blanks=dialect.separator == " ", header=header, head=dialect.first)
     return pa.PythonFile(source, mode="r")
 
 
 class WholeLines(io.RawIOBase):
-    """Stream of the lines of a text up to an end; blanks and tabs are one blank, and none at the ends of lines."""
+    """Stream of the lines of a text up to an end, without a header that stands again among them.
 
-    def __init__(self, path: Path, end: int, blanks: bool) -> None:
-        """Open the text; ``blanks``: whether blanks separate the values."""
+    Where blanks separate the values, blanks and tabs are one blank, and there is none at the ends of lines.
+    """
+
+    def __init__(self, path: Path, end: int, blanks: bool, header: bytes | None, head: int) -> None:
+        """Open the text; ``blanks``: whether blanks separate the values; the first ``head`` lines have the header."""
         self._source, self._left, self._blanks, self._rest = path.open("rb"), end, blanks, b""
+        self._header, self._head = header, head
 
     def readable(self) -> bool:
         """Return True."""
@@ -330,12 +380,15 @@ class WholeLines(io.RawIOBase):
 
     def read(self, size: int = -1) -> bytes:
         """Return at most ``size`` bytes."""
-        if not self._blanks:
-            return self._read(size)
         if not self._rest:
             block = self._read(BLOCK_BYTES if size < 0 else size)
             block += self._until_line_end() if block else b""
-            self._rest = b"".join(b" ".join(line.split()) + b"\n" for line in block.splitlines())
+            if self._header and self._header in block:
+                lines = enumerate(block.splitlines(keepends=True))
+                block = b"".join(line for k, line in lines if k < self._head or line.strip() != self._header)
+            if self._blanks:
+                block = b"".join(b" ".join(line.split()) + b"\n" for line in block.splitlines())
+            self._rest, self._head = block, 0
         given, self._rest = (self._rest, b"") if size < 0 else (self._rest[:size], self._rest[size:])
         return given
 
@@ -362,7 +415,7 @@ def _diagnosis(path: Path, dialect: Dialect, columns: Sequence[int], cause: str)
     kinds = {column: _kind(dialect, column) for column in columns}
     with path.open(encoding=dialect.encoding, errors="replace") as handle:
         for number, line in enumerate(handle, 1):
-            if number <= dialect.first or not line.strip() or line.lstrip().startswith(COMMENT):
+            if number <= dialect.first or not dialect.is_row(line) or line.lstrip().startswith(COMMENT):
                 continue
             if not line.endswith("\n"):
                 break

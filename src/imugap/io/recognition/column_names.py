@@ -7,10 +7,10 @@ with the plainest name is taken.
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from imugap import spelling
-from imugap.io.recognition.unit_text import INCREMENTS, QUANTITIES, quantity_of, unit_of
+from imugap.io.recognition.unit_text import COUNTS, INCREMENTS, QUANTITIES, quantity_of, unit_of
 from imugap.log import ACCEL, COLUMNS, GYRO, TEMPERATURE, TIME
 
 SKIP = "-"
@@ -18,9 +18,10 @@ SKIP = "-"
 TRIADS = {"gyro": GYRO, "accel": ACCEL}
 WORDS = {
     "gyro": "gyro gyros gyr gyroscope gyroscopes omega rotation turn angrate gy",
-    "accel": "accel accels acc accelerometer accelerometers acceleration accelerations specific ac gf xl alpha",
+    "accel": "accel accels accl acc accelerometer accelerometers acceleration accelerations specific ac gf xl alpha",
     TEMPERATURE: "temp temperature tmp temperatures",
-    TIME: "time timestamp timestamps stamp ts elapsed epoch timeus times seconds",
+    TIME: "time timestamp timestamps stamp ts elapsed epoch timeus times seconds tow sow itow zeit temps "
+    "tempo tiempo tijd",
     "counter": "counter count packet number seq index samples sample row iteration",
 }
 QUANTITY = {word: quantity for quantity, words in WORDS.items() for word in words.split()}
@@ -64,8 +65,17 @@ INCREMENT = {"gyro": "rad", "accel": "m/s"}
 BODY_RATES = ("p", "q", "r")
 """Rates of roll, pitch and yaw, as flight dynamics names them."""
 COMPACT = re.compile(r"(gyroscope|gyros|gyro|gyr|acceleration|accel|accs|acc|omega|ac|gy|gf|w|a|g|f)([xyz])")
+AXIS_FIRST = re.compile(r"([xyz])(gyroscope|gyros|gyro|gyr|acceleration|accel|accl|accs|acc|mag)")
+COUNTED = ("lsb", "lsbs", "counts")
+"""Last words of the names of counts."""
+ABSCISSA = "x_value"
+"""Column of the time in files of measurements, as LabVIEW writes them."""
 BRACKET = re.compile(r"[\[(]\s*([^\[\]]*?)\s*[\])]\s*$")
-AXES = {"x": 0, "y": 1, "z": 2, "0": 0, "1": 1, "2": 2}
+LETTERS = {"x": 0, "y": 1, "z": 2}
+AXES = LETTERS | {"0": 0, "1": 1, "2": 2, "3": 3}
+"""Words of axes; a number beside a letter is that of a channel or a device. Numbers count from 0, or from 1 to 3."""
+QUOTIENT = re.compile(r".*[a-z°].*([/^²]|per).*", re.IGNORECASE)
+"""Texts in brackets that are units, if of no known one."""
 EXCERPT = 60
 
 
@@ -78,9 +88,9 @@ class Meaning:
     quantity
         ``gyro``, ``accel``, ``temperature``, ``time`` or ``counter``.
     axis
-        0, 1 or 2 for x, y or z; None where the quantity has none.
+        0, 1 or 2 for x, y or z, 3 for the third of axes counted from 1; None where the quantity has none.
     unit
-        Unit in the name, or None.
+        Unit in the name, :data:`imugap.io.recognition.unit_text.COUNTS`, the text of an unknown one, or None.
     stem
         Words other than the axis and the unit: columns of one triad share them.
     free
@@ -133,13 +143,15 @@ class Assignment:
 def meaning(name: str) -> Meaning | None:
     """Return what a column holds by its name; None if neither inertial sensor, temperature, time nor counter."""
     base, unit = _unbracketed(name.strip().lstrip("#%").strip())
-    words = _words(base)
-    axis = next((word for word in reversed(words) if word in AXES), None)
+    words = words_of(base)
+    axis = next((word for known in (LETTERS, AXES) for word in reversed(words) if word in known), None)
     if axis is not None:
         place = len(words) - 1 - words[::-1].index(axis)
         words = words[:place] + words[place + 1 :]
     words = [word for word in words if word != "axis"]
-    quantity = _quantity(words) or _quantity(_words(base.rpartition(".")[2])) or _by_unit(words, axis, unit)
+    quantity = _quantity(words) or _quantity(words_of(base.rpartition(".")[2])) or _by_unit(words, axis, unit)
+    if base.strip().lower() == ABSCISSA:
+        return Meaning(TIME, None, unit, ())
     if quantity is None and len(base) > 1 and unit is None and unit_of(base) in QUANTITIES[TIME]:
         return Meaning(TIME, None, unit_of(base), ())
     if quantity is None:
@@ -148,7 +160,7 @@ def meaning(name: str) -> Meaning | None:
         words, unit = _unit_of_words(words, quantity)
     if unit is None and DELTA & set(words):
         unit = INCREMENT.get(quantity)
-    if unit is not None and unit not in QUANTITIES.get(quantity, ()):
+    if unit is not None and quantity_of(unit) not in (quantity, *((None,) if quantity in TRIADS else ())):
         return None if quantity in TRIADS else Meaning(quantity, None, None, tuple(words))
     inertial = quantity in TRIADS
     if inertial and axis is None:
@@ -158,7 +170,7 @@ def meaning(name: str) -> Meaning | None:
 
 def assign(names: Sequence[str]) -> Assignment:
     """Return which of the columns of a file are read; ValueError where two triads are equally plain."""
-    known = {name: found for name in names if name and (found := meaning(name)) is not None}
+    known = _counted_from_zero({name: found for name in names if name and (found := meaning(name)) is not None})
     if not any(found.quantity == "gyro" for found in known.values()):
         known |= _body_rates(names)
     columns: dict[str, str] = {}
@@ -184,6 +196,17 @@ def assign(names: Sequence[str]) -> Assignment:
     return Assignment(ordered, units, tuple(times), free, counters, contract)
 
 
+def _counted_from_zero(known: dict[str, Meaning]) -> dict[str, Meaning]:
+    """Return the meanings with axes 0 to 2 also where a triad counts them from 1, and without a fourth axis."""
+    from_one = {(one.quantity, one.stem) for one in known.values() if one.axis == len(LETTERS)}
+    from_one -= {(one.quantity, one.stem) for one in known.values() if one.axis == 0}
+    counted = {
+        name: replace(one, axis=one.axis - 1) if (one.quantity, one.stem) in from_one else one
+        for name, one in known.items()
+    }
+    return {name: one for name, one in counted.items() if one.axis is None or one.axis < len(LETTERS)}
+
+
 def _body_rates(names: Sequence[str]) -> dict[str, Meaning]:
     """Return the meaning of the names p, q and r, with a unit or a group before them, where there are all three."""
     groups: dict[str, dict[str, Meaning]] = {}
@@ -192,7 +215,7 @@ def _body_rates(names: Sequence[str]) -> dict[str, Meaning]:
         group, _, letter = base.strip().rpartition(".")
         if letter.lower() in BODY_RATES and (base == name.strip() or unit in QUANTITIES["gyro"]):
             axis = BODY_RATES.index(letter.lower())
-            groups.setdefault(group, {})[name] = Meaning("gyro", axis, unit, tuple(_words(group)))
+            groups.setdefault(group, {})[name] = Meaning("gyro", axis, unit, tuple(words_of(group)))
     return {name: one for found in groups.values() if len(found) == len(BODY_RATES) for name, one in found.items()}
 
 
@@ -249,19 +272,23 @@ def _unbracketed(name: str) -> tuple[str, str | None]:
     found = BRACKET.search(name)
     if found is None or found[1].isdigit():
         return name, None
-    return name[: found.start()], unit_of(found[1])
+    unit = unit_of(found[1])
+    return name[: found.start()], found[1] if unit is None and QUOTIENT.fullmatch(found[1]) else unit
 
 
-def _words(base: str) -> list[str]:
-    whole = COMPACT.fullmatch(base.strip().lower())
+def words_of(base: str) -> list[str]:
+    """Return the words of a name, in small letters."""
+    whole = _compact(base.strip().lower())
     if whole:
-        return list(whole.groups())
+        return whole
     parts = [part.lower() for part in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", base)]
-    words = []
-    for part in parts:
-        compact = COMPACT.fullmatch(part)
-        words += compact.groups() if compact else [part]
-    return words
+    return [word for part in parts for word in _compact(part) or [part]]
+
+
+def _compact(word: str) -> list[str]:
+    """Return the quantity and the axis that a word is made of; none if it is of none."""
+    found = COMPACT.fullmatch(word) or AXIS_FIRST.fullmatch(word)
+    return list(found.groups()) if found else []
 
 
 def _quantity(words: list[str]) -> str | None:
@@ -293,6 +320,8 @@ def _unit_of_words(words: list[str], quantity: str) -> tuple[list[str], str | No
     """Return the words without those of the unit at their end, and the unit; for a time, a word anywhere."""
     for count in range(min(4, len(words) - 1), 0, -1):
         unit = unit_of(" ".join(words[-count:]))
+        if words[-1] in COUNTED:
+            return words[:-1], COUNTS
         if unit in QUANTITIES.get(quantity, ()):
             rate = f"{unit}/s" if quantity == "gyro" and unit in INCREMENTS and not DELTA & set(words) else unit
             return words[:-count], rate

@@ -106,6 +106,34 @@ def gravity_units(force: Force) -> tuple[str, ...]:
     )
 
 
+def is_precise(force: Force, units: Sequence[str]) -> bool:
+    """Return whether the norm is gravity in one of the units within :data:`NARROW`, and nearer to it than to counts."""
+    distances = [abs(np.log(force.quiet * factor(unit) / STANDARD_GRAVITY)) for unit in units]
+    return bool(distances) and min(distances) < min(np.log(NARROW), _from_counts(force.quiet))
+
+
+def are_whole(values: np.ndarray) -> bool:
+    """Return whether samples, shape (n, axes), are whole numbers, not all of them next to zero, as counts are."""
+    finite = values[np.isfinite(values)]
+    return len(finite) > 0 and bool(np.abs(finite).max() > 1) and bool((finite == np.rint(finite)).all())
+
+
+def counts_of(force: Force) -> str:
+    """Return the reading of a specific force as counts of a converter, in words."""
+    norm = force.quiet
+    if not 1 < norm < np.inf:
+        return "counts of a converter of unknown size"
+    if _from_counts(norm) < np.log(NARROW):
+        near = COUNTS[np.argmin(np.abs(np.log(norm / COUNTS)))]
+        return f"counts of a converter of {near:.0f} counts per g (--units accel=g/{near:.0f})"
+    return f"counts of a converter of about {norm:.4g} per g (--units accel=g/{norm:.0f}, better by its data sheet)"
+
+
+def _from_counts(norm: float) -> float:
+    """Return the distance of the logarithm of a norm from that of the nearest usual number of counts per g."""
+    return float(np.abs(np.log(norm / COUNTS)).min()) if norm > 0 else np.inf
+
+
 def are_increments(force: Force, rate_hz: float) -> bool:
     """Return whether a specific force is gravity times the sampling interval."""
     return force.scatter < CONSTANT and 1 / NARROW < force.quiet * rate_hz / STANDARD_GRAVITY < NARROW
@@ -113,10 +141,8 @@ def are_increments(force: Force, rate_hz: float) -> bool:
 
 def other_reading(force: Force, rate_hz: float) -> str:
     """Return what a specific force may be whose norm is gravity in no unit."""
-    norm = force.quiet
-    near = COUNTS[np.argmin(np.abs(np.log(norm / COUNTS)))] if norm > 0 else np.inf
-    if 1 / NARROW < norm / near < NARROW:
-        return f"counts of a converter of {near:.0f} counts per g (--units accel=g/{near:.0f})"
+    if _from_counts(force.quiet) < np.log(NARROW):
+        return counts_of(force)
     if are_increments(force, rate_hz):
         return "velocity increments [m/s] over the interval (--units accel=m/s,gyro=rad)"
     return "gravity in no known unit"

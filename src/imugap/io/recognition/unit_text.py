@@ -10,11 +10,17 @@ SPELLINGS = {
     "ns": "ns nsec nsecs nanos nanosec nanosecond nanoseconds",
     "min": "min mins minute minutes",
     "h": "h hr hour hours",
+    "d": "d day days",
     "rad": "rad rads radian radians",
     "mrad": "mrad",
+    "urad": "urad",
+    "arcsec": "arcsec arcsecs arcsecond arcseconds",
+    "rev": "rev revs revolution revolutions",
     "deg": "deg degs degree degrees",
     "mdeg": "mdeg",
     "m": "m meter meters metre metres",
+    "cm": "cm",
+    "mm": "mm",
     "ft": "ft foot feet",
     "g": "g gs gn gee",
     "mg": "mg milligs",
@@ -24,25 +30,39 @@ SPELLINGS = {
     "K": "k kelvin kelvins",
 }
 BASES = {spelling: base for base, spellings in SPELLINGS.items() for spelling in spellings.split()}
-SHORT = {"dps": "deg/s", "mdps": "mdeg/s"}
+SHORT = {
+    "dps": "deg/s", "d/s": "deg/s", "mdps": "mdeg/s", "rpm": "rev/min", "gal": "cm/s^2", "100ns": "100ns",
+    "100 ns": "100ns",
+}  # fmt: skip
 """Abbreviations of whole units."""
+COUNTS = "counts"
+"""Unit of what a converter gives: the size of a count is in the data sheet."""
+COUNT_WORDS = ("lsb", "lsbs", "count", "counts", "raw", "digit", "digits", "adc", "code", "codes", "bit", "bits")
 SIGNS = str.maketrans({"²": "^2", "³": "^3", "µ": "u", "μ": "u", "°": "deg", "⁻": "-", "¹": "1", "·": " ", "*": " "})
-TIMES = ("s", "h")
+TIMES = ("s", "min", "h")
 QUANTITIES = {
-    "time": ("s", "ms", "us", "ns", "min", "h"),
-    "gyro": ("rad/s", "deg/s", "mrad/s", "mdeg/s", "deg/h", "rad", "deg"),
-    "accel": ("m/s^2", "g", "mg", "ug", "ft/s^2", "m/s"),
+    "time": ("s", "ms", "us", "ns", "100ns", "min", "h", "d"),
+    "gyro": (
+        "rad/s", "deg/s", "mrad/s", "urad/s", "mdeg/s", "deg/h", "deg/min", "arcsec/s", "rev/s", "rev/min", "rad",
+        "deg",
+    ),
+    "accel": ("m/s^2", "g", "mg", "ug", "cm/s^2", "mm/s^2", "ft/s^2", "m/s"),
     "temperature": ("degC", "degF", "K"),
-}
+}  # fmt: skip
 """Units of each quantity; those without the last time in them are of increments over the sampling interval."""
 INCREMENTS = ("rad", "deg", "m/s")
 
 
 def unit_of(text: str) -> str | None:
-    """Return the unit that a text is, or None; ``m s2`` and ``rad_s``, as names of columns have them, are quotients."""
+    """Return the unit that a text is, :data:`COUNTS`, or None.
+
+    ``m s2`` and ``rad_s``, as names of columns have them, are quotients.
+    """
     plain = text.strip().translate(SIGNS).lower()
     if plain in SHORT:
         return SHORT[plain]
+    if plain in COUNT_WORDS:
+        return COUNTS
     exponents: Counter[str] = Counter()
     sign, last = 1, None
     for token in re.findall(r"[a-z]+|\^?-?\d+|/", plain):

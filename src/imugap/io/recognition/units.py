@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from imugap.io.recognition import samples
-from imugap.io.recognition.unit_text import INCREMENTS, QUANTITIES, quantity_of, unit_of
+from imugap.io.recognition.unit_text import COUNTS, INCREMENTS, QUANTITIES, quantity_of, unit_of
 from imugap.log import ACCEL, GYRO, LogError
 from imugap.units import STANDARD_GRAVITY, factor
 
@@ -20,6 +20,7 @@ KELVINS = 200.0, 400.0
 SI = {"gyro": "rad/s", "accel": "m/s^2", "temperature": "degC"}
 PLACES = {"gyro": "columns gyro_x to gyro_z", "accel": "columns accel_x to accel_z"}
 TRIADS = {"gyro": GYRO, "accel": ACCEL}
+COUNTED_RATES = "counts of a converter (--units gyro=deg/s/131 for 131 counts per deg/s)"
 
 
 @dataclass(frozen=True)
@@ -72,8 +73,10 @@ def accel_unit(accel: np.ndarray, rate_hz: float, given: str | None, stated: str
     """Return the unit of specific force, shape (n, axes); LogError where nothing decides or gravity contradicts."""
     if given:
         return Unit(given, "the option")
-    named = Unit(stated, "the header") if stated else Unit(SI["accel"]) if contract else None
     force = samples.force_of(accel) if accel.shape[1] == 3 else None
+    if stated and quantity_of(stated) is None:
+        raise _unknown("accel", stated, None if force is None else samples.counts_of(force))
+    named = Unit(stated, "the header") if stated else Unit(SI["accel"]) if contract else None
     if force is None:
         if named is None:
             raise _undecided("accel", "fewer than three axes, which show no gravity")
@@ -82,9 +85,14 @@ def accel_unit(accel: np.ndarray, rate_hz: float, given: str | None, stated: str
     if named is not None and (gravity or (gravity is None and named.name not in INCREMENTS)):
         return named
     units = samples.gravity_units(force)
-    if named is None and len(units) == 1:
+    whole = samples.are_whole(accel)
+    counted = whole and not samples.is_precise(force, units)
+    if named is None and len(units) == 1 and not counted:
         return Unit(units[0], "gravity")
-    reading = f"gravity in {' or in '.join(units)}" if units else samples.other_reading(force, rate_hz)
+    readings = [f"gravity in {' or in '.join(units)}"] if units else []
+    if not units or (named is None and counted):
+        readings.append(samples.counts_of(force) if whole else samples.other_reading(force, rate_hz))
+    reading = ", or ".join(readings)
     name = named.name if named else "a unit"
     raise LogError(
         "log", PLACES["accel"], f"specific force in {name} (--units accel=g, or another unit, decides)",
@@ -115,9 +123,13 @@ def gyro_unit(
     """
     if given:
         return Unit(given, "the option")
+    if stated and quantity_of(stated) is None:
+        raise _unknown("gyro", stated, COUNTED_RATES if stated == COUNTS else None)
     named = Unit(stated, "the header") if stated else Unit(SI["gyro"]) if contract else None
     if named is not None and named.name not in ("rad/s", "deg/s"):
         return named
+    if named is None and samples.are_whole(gyro):
+        raise _undecided("gyro", f"whole numbers, which may be {COUNTED_RATES}")
     found = samples.gyro_unit(gyro, accel, rate_hz)
     if named is None and found is None:
         raise _undecided("gyro", "rates that may be in rad/s or in deg/s")
@@ -131,6 +143,13 @@ def gyro_unit(
     if found.unit == "deg/s":
         return Unit(named.name, f"{named.evidence or 'its name'}, though {found.reason} is that of deg/s")
     return named
+
+
+def _unknown(quantity: str, unit: str, reading: str | None) -> LogError:
+    """Return the error of a unit in the header that is none of the quantity."""
+    expected = f"one of {', '.join(QUANTITIES[quantity])} (--units {quantity}= decides)"
+    found = f"{unit!r} in the header" if reading is None else f"{unit!r} in the header: {reading}"
+    return LogError("log", PLACES[quantity], expected, found)
 
 
 def _undecided(quantity: str, found: str) -> LogError:
