@@ -89,6 +89,7 @@ def _checked_keys(path: str | Path, public: str | Path) -> dict:
     found = {case: commitment(sealed) for case, sealed in keys["keys"].items()} | {"plan": commitment(keys["plan"])}
     _require_same(stated, found, path)
     for case, sealed in keys["keys"].items():
+        check(sealed["record"], load("key"), f"{path}: {case}")
         if sealed["record"]["case"] != case:
             raise FormatError(path, case, "the key of this case", f"that of {sealed['record']['case']}")
     recipes.checked(keys["plan"]["record"]["recipe"], f"{path}: plan")
