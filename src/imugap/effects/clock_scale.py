@@ -5,10 +5,10 @@ from typing import ClassVar
 
 import numpy as np
 import pandas as pd
-from scipy.stats import chi2
 
 from imugap.effects.block import Block
 from imugap.effects.effect import TINY, ClockEffect, Evidence, parameter
+from imugap.numerics.chi_square import log_tail
 
 NORMAL = 1.959963984540054
 """Standard deviations of a two-sided interval of 95 %."""
@@ -34,7 +34,7 @@ class ClockScale(ClockEffect):
     def between(cls, log_interval: float, std: float) -> Evidence:
         """Return the estimate from two runs: logarithm of the true over the stamped interval, and its deviation."""
         ratio, *ends = (float(np.exp(-log_interval + side * NORMAL * std)) for side in (0, -1, 1))
-        log_p = float(chi2.logsf((log_interval / std) ** 2, 1))
+        log_p = log_tail((log_interval / std) ** 2, 1)
         return Evidence(cls(ratio), {"ratio": tuple(ends)}, log_p, np.zeros(0, bool))
 
 

@@ -4,11 +4,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import AdditiveEffect, Evidence, Role, Transform, parameter
+from imugap.numerics.chi_square import log_tail
 
 LEAST = 1e-300
 """Lower limit of a variance over runs."""
@@ -44,9 +45,9 @@ class TurnOnBias(AdditiveEffect):
         free = len(levels) - 1
         scatter = float(np.sum((levels - np.average(levels, weights=errors**-2)) ** 2 / errors**2))
         squares, noise = float(np.sum((levels - levels.mean()) ** 2)), float(np.mean(errors**2))
-        low, high = (float(np.sqrt(max(squares / chi2.ppf(share, free) - noise, 0.0))) for share in (0.975, 0.025))
+        low, high = (float(np.sqrt(max(squares / chdtri(free, tail) - noise, 0.0))) for tail in (0.025, 0.975))
         std = float(np.sqrt(max(squares / free - noise, LEAST)))
-        return Evidence(cls(std), {"std": (low, high)}, float(chi2.logsf(scatter, free)), np.zeros(0, bool))
+        return Evidence(cls(std), {"std": (low, high)}, log_tail(scatter, free), np.zeros(0, bool))
 
 
 def _start(own, x, now):

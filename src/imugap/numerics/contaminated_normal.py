@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.fft import next_fast_len, rfft
-from scipy.special import expit, logit
-from scipy.stats import chi2, poisson
+from scipy.special import expit, logit, pdtrc
+
+from imugap.numerics.chi_square import log_tail
 
 STARTS = ((1e-4, 20.0), (1e-3, 8.0), (1e-2, 4.0), (0.1, 2.0))
 """Shares of the wide law, and its width over that of the narrow one, from which the mixture is fitted."""
@@ -65,7 +66,10 @@ class Tails:
         """Return the log p-value of the number of neighbouring pairs of outliers (test of independence)."""
         flagged = self.flagged
         pairs = int(np.sum(flagged[1:] & flagged[:-1]))
-        return float(poisson.logsf(pairs - 1, flagged.mean() * flagged.sum()))
+        if not pairs:
+            return 0.0
+        with np.errstate(divide="ignore"):
+            return float(np.log(pdtrc(pairs - 1, flagged.mean() * flagged.sum())))
 
     @property
     def uneven(self) -> float:
@@ -74,7 +78,7 @@ class Tails:
         if count < 2:
             return 0.0
         counts = np.array([part.sum() for part in np.array_split(self.flagged, min(count, MAX_PARTS))])
-        return float(chi2.logsf(np.sum((counts - counts.mean()) ** 2) / counts.mean(), len(counts) - 1))
+        return log_tail(np.sum((counts - counts.mean()) ** 2) / counts.mean(), len(counts) - 1)
 
     @property
     def beating(self) -> float:
