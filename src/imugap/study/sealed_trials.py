@@ -1,7 +1,7 @@
 """Sealed cases of few axes: the answer of discovery to each, at a cost that allows a thousand.
 
-A sealed case has six axes, of which most hide nothing. Here only those with an effect are searched, each proposal at
-the level that it has in a search of all six.
+A sealed case has six axes, of which most hide nothing. Here only those with an effect are searched (all, for an effect
+on the stamps), each proposal at the level that it has in a search of all six.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,7 +16,7 @@ from imugap.log import AXES, TEMPERATURE, TIME
 from imugap.model import ErrorModel
 
 QUIET = "gyro_x"
-"""Axis that is searched where the case hides nothing on one."""
+"""Axis that is searched where the case hides nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +59,8 @@ def search(sealed: SealedCase, settings: Settings) -> Discovery:
 
 
 def _searched(sealed: SealedCase) -> Sequence[str]:
-    hidden = {axis for one in sealed.key["effects"] for axis in one["axes"]} - {TIME}
-    return [axis for axis in AXES if axis in hidden] or [QUIET]
+    hidden = {axis for one in sealed.key["effects"] for axis in one["axes"]}
+    return AXES if TIME in hidden else [axis for axis in AXES if axis in hidden] or [QUIET]
 
 
 def _part(log: pd.DataFrame, axes: Sequence[str]) -> pd.DataFrame:
