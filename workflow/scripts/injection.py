@@ -5,7 +5,7 @@ import pandas as pd
 from imugap import log
 from imugap.discovery.device import Settings
 from imugap.discovery.steps import each_in_processes
-from imugap.log import ACCEL, GYRO
+from imugap.log import AXES
 from imugap.study.injection import SIZE, inject, untouched
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
@@ -25,10 +25,10 @@ def trials(run, axis, path, sizes, together, settings):
 if __name__ == "__main__":
     with job(snakemake) as (source, params, output):
         settings = Settings(**params.settings, seed=params.seed)
+        # one axis of each run, every axis in turn
         tasks = [
-            (run, sensor[number % 3], path, params.sizes, params.together, settings)
+            (run, AXES[number % len(AXES)], path, params.sizes, params.together, settings)
             for number, (run, path) in enumerate(zip(params.runs, source.logs, strict=True))
-            for sensor in (GYRO, ACCEL)
         ]
         with each_in_processes(snakemake.threads) as each:
             rows = [row for some in each(trials, *zip(*tasks, strict=True)) for row in some]
