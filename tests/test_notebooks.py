@@ -38,6 +38,15 @@ def test_a_notebook_carries_its_outputs_and_is_small(name):
     assert (ROOT / f"notebooks/{name}.ipynb").stat().st_size < 300_000
 
 
+@pytest.mark.parametrize("name", ALONE)
+def test_the_execution_by_the_workflow_has_the_same_outputs(name):
+    made = ROOT / f"results/notebooks/{name}.ipynb"
+    if not made.exists():
+        pytest.skip("the workflow has not been run here")
+    assert shown(nbformat.read(made, as_version=4)) == shown(read(name))
+
+
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ALONE)
 def test_a_fresh_execution_has_the_same_outputs(name, tmp_path):

@@ -299,6 +299,12 @@ def baseline_scores(wildcards):
     return {name: f"{folder}/{name}.csv" for name in ("summary", "answers")} | record
 
 
+def results_read(wildcards):
+    """Name the paper, the last of the results, for a notebook that reads results: it says how to get them."""
+    text = Path(f"notebooks/{wildcards.name}.ipynb").read_text()
+    return ["paper/paper.pdf"] if "run snakemake --cores all first" in text else []
+
+
 def dossier_of_log(wildcards):
     """Name the page of what is found on the log of the configuration."""
     if not OWN_DISCOVERY:

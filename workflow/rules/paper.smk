@@ -46,12 +46,13 @@ rule paper:
 
 
 rule notebook:
-    """Execute a notebook, which reads results and explains them."""
+    """Execute a notebook, which reads results and explains them, or shows what the library does."""
     input:
-        "paper/paper.pdf",
+        results_read,
         notebook="notebooks/{name}.ipynb",
     output:
-        report(
+        "results/notebooks/{name}.ipynb",
+        page=report(
             "results/notebooks/{name}.html",
             caption="../report/notebook.rst",
             category="Notebooks",
@@ -59,5 +60,7 @@ rule notebook:
         ),
     log:
         "logs/notebook/{name}.log",
+    params:
+        code=digest(),
     script:
         "../scripts/notebook.py"

@@ -1,4 +1,4 @@
-"""Execute a notebook at the top of the project and keep it as HTML."""
+"""Execute a notebook at the top of the project and keep it with its outputs, and as HTML."""
 
 from pathlib import Path
 
@@ -12,4 +12,5 @@ with job(snakemake) as (source, _, output):
     notebook = nbformat.read(source.notebook, as_version=4)
     NotebookClient(notebook, startup_timeout=600, resources={"metadata": {"path": "."}}).execute()
     page, _ = HTMLExporter().from_notebook_node(notebook)
-    Path(output[0]).write_text(page)
+    nbformat.write(notebook, output[0])
+    Path(output.page).write_text(page)
