@@ -36,20 +36,19 @@ settings.load_profile("derandomised")
 
 def pytest_addoption(parser):
     """Add the option of the whole proof."""
-    parser.addoption("--every", action="store_true", help="run slow tests with all parameters, not the first alone")
+    parser.addoption("--every", action="store_true", help="run long tests too, and slow ones with all parameters")
 
 
 def pytest_collection_modifyitems(config, items):
-    """Leave of a slow test the first parameters, unless all are asked for or each is a subject of its own."""
+    """Leave out long tests, and slow ones after the first parameters of a test, unless each is a subject of its own."""
     if config.getoption("--every"):
         return
     kept, left_out, begun = [], [], set()
     for item in items:
         name = item.nodeid.partition("[")[0]
         again = name in begun and item.get_closest_marker("slow") and not item.get_closest_marker("each")
-        (left_out if again else kept).append(item)
-        if item.get_closest_marker("slow"):
-            begun.add(name)
+        (left_out if again or item.get_closest_marker("long") else kept).append(item)
+        begun.add(name)
     items[:] = kept
     if left_out:
         config.hook.pytest_deselected(items=left_out)

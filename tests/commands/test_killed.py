@@ -27,8 +27,9 @@ KILLS = [
     ("estimate", 3),
     *(
         pytest.param(*one, marks=(pytest.mark.slow, pytest.mark.each))
-        for one in (("discover", 20), ("walk", 7), ("drive", 3))
+        for one in (("discover", 5), ("walk", 5), ("drive", 3))
     ),
+    pytest.param("discover", 20, marks=pytest.mark.slow),
     pytest.param("estimate", 70, marks=pytest.mark.slow),
 ]
 """Commands and the number of times that each is killed: fewer, the longer the command takes."""

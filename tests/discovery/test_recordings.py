@@ -8,7 +8,7 @@ from imugap import cli
 from imugap.discovery.device import Settings
 from imugap.discovery.inputs import Files, discover_files
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 PUBLISHED = {"gyro_x": -0.00216, "gyro_y": 0.02078, "gyro_z": 0.07581}
 """Means of the biases in the truth of EuRoC V1_02, by its publisher [rad/s]."""

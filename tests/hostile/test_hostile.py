@@ -32,6 +32,7 @@ def test_a_mutated_input_ends_in_a_result_or_in_one_line(tmp_path, command):
     assert failed(command, range(USUAL[command]), tmp_path / "work") == {}
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("command", CASES)
 def test_many_mutated_inputs_end_in_a_result_or_in_one_line(tmp_path, command):

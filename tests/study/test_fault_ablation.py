@@ -56,6 +56,7 @@ def middle(found, case, scheme, score):
     return found[(found["case"] == case) & (found["scheme"] == scheme)][score].mean()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_every_case_has_every_scheme(found):
     counts = found.groupby(["case", "scheme"]).size()
@@ -67,6 +68,7 @@ def test_every_case_has_every_scheme(found):
     assert (counts == RUNS).all()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_without_gross_errors_the_plain_filter_is_consistent_and_control_costs_little(found):
     low, high = nees_band(9, RUNS * 10, 0.9999)  # a drive has some ten independent pieces
@@ -80,6 +82,7 @@ def test_without_gross_errors_the_plain_filter_is_consistent_and_control_costs_l
     assert 0.4 < both[0] / both[1] < 0.8
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_control_helps_and_an_oracle_helps_most(found):
     plain = middle(found, CONTAMINATED, "none", "horizontal_95")
@@ -89,6 +92,7 @@ def test_control_helps_and_an_oracle_helps_most(found):
     assert 0.8 < middle(found, CONTAMINATED, ORACLE, "nis") < 1.2
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_hindsight_is_for_errors_that_stay_and_comes_near_the_oracle(found):
     """It leaves outliers and outages as they are, and the covariance goes on telling how far the filter is off."""
@@ -105,6 +109,7 @@ def test_hindsight_is_for_errors_that_stay_and_comes_near_the_oracle(found):
     assert middle(found, CLEAN, "hindsight", "doubts") < 0.5 < middle(found, CONTAMINATED, "hindsight", "doubts")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_wheels_hold_the_filter_where_fixes_do_not(found):
     """Most in outages, little with good fixes; the filter that is told of them knows itself."""
@@ -119,6 +124,7 @@ def test_wheels_hold_the_filter_where_fixes_do_not(found):
     assert 0.97 < middle(found, CLEAN, WHEELS[PLAIN], "nis") < 1.03
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_drive_that_begins_in_a_stretch_needs_a_soft_reset(found):
     assert middle(found, LOST, "gated", "resets") == 0
@@ -126,6 +132,7 @@ def test_a_drive_that_begins_in_a_stretch_needs_a_soft_reset(found):
     assert middle(found, CLEAN, "hindsight", "resets") == 0
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_what_is_missed_is_less_with_a_test_and_all_without(found):
     assert middle(found, CONTAMINATED, "none", "missed") == 1

@@ -179,7 +179,7 @@ def test_runs_of_ones_own_have_any_name_and_a_change_of_one_reruns_what_reads_it
     assert "rule ingest_own:" in found.stdout
 
 
-@pytest.mark.parametrize("kills", [4, 20])
+@pytest.mark.parametrize("kills", [2, 20])
 def test_a_killed_run_is_taken_up_by_the_same_command_with_the_same_bytes(tmp_path, kills):
     """The main process is killed alone, as by a lack of memory: its jobs end by themselves."""
     model = ErrorModel(dict.fromkeys(log.AXES, AxisModel((WhiteNoise(1e-4), Bias(1e-3)))))

@@ -150,11 +150,11 @@ def steep(time, rng):
 @pytest.mark.slow
 def test_means_fitted_to_steep_noise_are_withheld():
     kinds, more = (BiasStep, RateRamp, WarmUp), 0
-    for label in range(12):
-        search, found = explored(sequence(added=steep, label=f"steep {label}"), *kinds)
+    for label in range(6):
+        search, found = explored(sequence(added=steep, count=6000, label=f"steep {label}"), *kinds)
         added = search.added(found)
         more += len(added) > 1 and terms_as_power_law(added).keys() == set(added)
-    assert more > 3
+    assert more > 1
 
 
 def test_true_means_are_likelier_than_a_power_law():
@@ -229,7 +229,8 @@ def test_a_misfitting_step_with_slow_noise_is_not_replaced_by_a_power_law():
 
 @pytest.mark.slow
 def test_relaxations_after_steps_are_not_named_telegraph_noise():
-    assert names(result_of(sequence(added=relaxations, count=12_000, label="a"))) == []
+    data = sequence(added=relaxations, count=12_000, label="a")
+    assert names(result_of(data, BiasStep, RandomTelegraph, RandomWalk)) == []
 
 
 @pytest.mark.parametrize(("noise", "most"), [(GaussMarkov(2e-3, 5.0), 2), (RandomTelegraph(4e-3, 0.1), 1)])

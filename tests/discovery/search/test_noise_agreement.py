@@ -52,6 +52,7 @@ def test_faint_noise_is_of_one_kind_more_often_than_each_axis_tells():
     assert together["random_walk"] >= alone["random_walk"]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_noise_too_faint_to_be_named_speaks_against_a_step_too():
     """Walks of all axes, seldom certain on any, now and then look like a step or a trend."""

@@ -71,6 +71,7 @@ def test_what_switches_is_taken_out_and_what_reverts_stays(run):
     assert np.std(rest.values - clean.values) < 0.5 * SWITCHES.step / 2
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_process_half_as_large_as_the_step_leaves_its_interval_true():
     """Of some 60 switches the rate is known to one in sqrt(60), or a little less; the intervals of the step are alike.

@@ -36,7 +36,8 @@ LOUDER = VarianceChange(1000.0, 1200.0, 2.4)
 def test_outliers_beside_a_louder_stretch_have_their_share_and_size_and_it_its_ratio(change, label):
     """Its noise is not taken for small outliers, nor they for noise."""
     outliers = Outliers(5e-4, 0.1)
-    result = told_of(outliers, change, count=100_000, label=label)
+    data = sequence(outliers, change, count=100_000, label=label)
+    result = result_of(data, Outliers, VarianceChange, GaussMarkov)
     assert names(result) == ["outliers", "variance_change"]
     found = {name: interval for finding in result.findings for name, interval in finding.parameters.items()}
     for name, truth in {**outliers.parameters(), "ratio": change.ratio}.items():

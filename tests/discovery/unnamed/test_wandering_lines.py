@@ -8,7 +8,7 @@ from tests.discovery.simulated import KINDS, LOG_ALPHA, explored, names, result_
 from imugap.discovery.fit.axis_fit import cosine_coefficients
 from imugap.discovery.unnamed import wandering_lines
 from imugap.discovery.unnamed.wandering_lines import Band
-from imugap.effects import BiasInstability, BiasStep, Sinusoid
+from imugap.effects import BiasInstability, BiasStep, GaussMarkov, OutputFilter, Sinusoid
 from imugap.stream import stream
 
 COUNT, INTERVAL = 12_000, 0.1
@@ -62,6 +62,7 @@ def test_rounded_samples_stay_coarse_after_the_removal_of_a_band():
     assert wandering_lines.without_bands(rounded, (Band(0.53, 0.59, -100.0),)).coarse
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_other_effects_keep_their_names_next_to_a_wandering_line():
     result = result_of(sequence(BiasStep(700.0, 4e-3), BiasInstability(1e-3), line=4e-3))
@@ -72,6 +73,6 @@ def test_other_effects_keep_their_names_next_to_a_wandering_line():
 
 @pytest.mark.slow
 def test_a_wandering_line_is_not_named():
-    result = result_of(sequence(line=4e-3))
+    result = result_of(sequence(line=4e-3), Sinusoid, GaussMarkov, OutputFilter)
     assert result.findings == ()
     assert len(result.bands) == 1

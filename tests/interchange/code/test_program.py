@@ -280,6 +280,7 @@ def test_what_the_rate_does_not_allow_is_refused(effects, clock, named):
         program(model(effects, clock=clock), Language.CPP, RATE)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_discovery_of_a_stream_finds_nothing_beyond_its_model(tmp_path):
     """Of a log that the header made, with the model that it was made of."""
