@@ -15,7 +15,10 @@ DISCOVERY = "discovery"
 
 def discovery(batches):
     """Return the answers of all batches as one entry."""
-    parts = [answers.read_entry(batch, [case.name for case in Path(batch).iterdir()]) for batch in batches]
+    parts = [
+        answers.read_entry(batch, [path.parent.name for path in Path(batch).glob(f"*/{answers.REPORT}")])
+        for batch in batches
+    ]
     reports = {case: report for part in parts for case, report in part.reports.items()}
     return answers.Entry(DISCOVERY, reports, {case: time for part in parts for case, time in part.seconds.items()})
 

@@ -43,7 +43,7 @@ def read_json(path: str | Path) -> Any:
     """Read a file of JSON whose numbers are finite."""
     try:
         return json.loads(Path(path).read_text(encoding="utf-8"), parse_float=_finite, parse_constant=_finite)
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         raise FormatError(path, "", "a file", "none") from None
     except (ValueError, RecursionError, OSError) as error:
         raise FormatError(path, "", "JSON with finite numbers", str(error)) from None
