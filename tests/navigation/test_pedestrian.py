@@ -51,7 +51,13 @@ def walk():
 def matched(walk):
     """WalkAssumptions that hold in the simulation, every one."""
     return WalkAssumptions(
-        gravity=walk.site.gravity, settling_std=0.0, rate_std=0.0, blind_gyro=0.0, blind_accel=0.0, tilt_std=1e-4
+        gravity=walk.site.gravity,
+        velocity_std=0.015,
+        motion_std=0.0,
+        rate_std=0.0,
+        blind_gyro=0.0,
+        blind_accel=0.0,
+        tilt_std=1e-4,
     )
 
 

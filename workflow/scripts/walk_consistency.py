@@ -19,7 +19,7 @@ def main(walk, params):
     """Return the ends of loops of a foot that does what the filter assumes, and of one that slips as a foot does."""
     loop = replace(walk, course=replace(WalkCourse.loop(params.strides, stand_s=walk.course.stand_s), end_s=END_S))
     smooth = replace(loop.gait, drift_m_per_s=0.0, impact_m_per_s2=0.0)
-    as_assumed = replace(known_assumptions(walk), settling_std=0.0, blind_gyro=0.0, blind_accel=0.0, tilt_std=1e-4)
+    as_assumed = replace(known_assumptions(walk), motion_std=0.0, blind_gyro=0.0, blind_accel=0.0, tilt_std=1e-4)
     usual, rows = WalkAssumptions(gravity=walk.site.gravity), []
     for run in range(1, params.walks + 1):
         ideal = replace(loop, gait=smooth)

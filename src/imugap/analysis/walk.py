@@ -22,8 +22,8 @@ STD = "_std"
 """Suffix of the name of a standard deviation."""
 LONGEST_GAP_S = 0.1
 """Longest gap that is filled [s]."""
-GYRO_CLASS = {"white_noise": {"density": 5e-4}, "random_walk": {"density_k": 1e-4}, "turn_on_bias": {"std": 5e-3}}
-ACCEL_CLASS = {"white_noise": {"density": 0.05}, "random_walk": {"density_k": 1e-4}, "turn_on_bias": {"std": 0.3}}
+GYRO_CLASS = {"white_noise": {"density": 2e-4}, "random_walk": {"density_k": 3e-5}, "turn_on_bias": {"std": 5e-3}}
+ACCEL_CLASS = {"white_noise": {"density": 0.02}, "random_walk": {"density_k": 1e-4}, "turn_on_bias": {"std": 0.3}}
 DEFAULT_MODEL = ErrorModel.from_mapping(
     {axis: [GYRO_CLASS] for axis in GYRO} | {axis: [ACCEL_CLASS] for axis in ACCEL}
 )  # fmt: skip

@@ -15,6 +15,10 @@ motion of a foot at stance, the same for all walks, is added to the noise, so th
 stance. Since this varies with the gait, the threshold is a multiple of the lowest statistic within a stride, within
 fixed bounds.
 
+The velocity of a foot at stance is the less certain the more it moves. A window in a slow swing can be as quiet as the
+stance of a runner, so the motion at a sample (:meth:`Detector.motion`) is the statistic relative to the threshold of
+the seconds around it, which hold a stance of the slowest gait.
+
 Source: I. Skog, P. Handel, J.-O. Nilsson, J. Rantakokko, Zero-velocity detection - an algorithm evaluation, IEEE Trans.
 Biomed. Eng. 57 (2010) 2657-2666.
 """
@@ -71,7 +75,9 @@ class Detector:
     statistic
         Detection statistic.
     window_s, stride_s
-        Length of the window, and of the time that holds at least one stance [s].
+        Length of the window, and of the time that holds at least one stance of a usual gait [s].
+    slowest_s
+        Time that holds at least one stance of the slowest gait [s].
     accel_std, gyro_std
         Standard deviation of the motion of a foot at stance [m/s^2], [rad/s].
     multiple, lowest, highest
@@ -86,6 +92,7 @@ class Detector:
     statistic: Statistic = Statistic.GLRT
     window_s: float = 0.04
     stride_s: float = 0.8
+    slowest_s: float = 3.0
     accel_std: float = 0.5
     gyro_std: float = 0.35
     multiple: float = 4.0
@@ -131,17 +138,30 @@ class Detector:
 
         The decision on a window applies at its middle; the first and last decisions extend to the ends.
         """
-        gyro = gyro - np.array(stand.bias)
-        window = max(2, round(self.window_s / interval))
-        stds = np.hypot(self.accel_std, stand.accel_std), np.hypot(self.gyro_std, stand.gyro_std)
-        values = statistic(self.statistic, gyro, accel, window, *stds, stand.gravity)
-        stride = max(2, round(self.stride_s / interval))
-        limit = np.clip(self.multiple * minimum_filter1d(values, stride), self.lowest, self.highest)
-        rest = _at_middle(values < limit, window)
-        still = self._still(gyro, accel, max(2, round(self.still_s / interval)), stand.gravity)
+        values, window = self._values(gyro, accel, interval, stand)
+        rest = _at_middle(values < self._limit(values, self.stride_s / interval), window)
+        unbiased = gyro - np.array(stand.bias)
+        still = self._still(unbiased, accel, max(2, round(self.still_s / interval)), stand.gravity)
         phase = rest.astype(np.int8) + (rest & still)
         phase[: stand.count] = STILL
         return phase
+
+    def motion(self, gyro: np.ndarray, accel: np.ndarray, interval: float, stand: Stand) -> np.ndarray:
+        """Return the statistic at each sample over the threshold within :attr:`slowest_s`, shape (n,)."""
+        values, window = self._values(gyro, accel, interval, stand)
+        return _at_middle(np.maximum(values, 0.0) / self._limit(values, self.slowest_s / interval), window)
+
+    def _values(self, gyro: np.ndarray, accel: np.ndarray, interval: float, stand: Stand) -> tuple[np.ndarray, int]:
+        """Return the statistic of each window, and the number of samples in it."""
+        window = max(2, round(self.window_s / interval))
+        stds = np.hypot(self.accel_std, stand.accel_std), np.hypot(self.gyro_std, stand.gyro_std)
+        unbiased = gyro - np.array(stand.bias)
+        return statistic(self.statistic, unbiased, accel, window, *stds, stand.gravity), window
+
+    def _limit(self, values: np.ndarray, samples: float) -> np.ndarray:
+        """Return the threshold of each window, from the lowest statistic within ``samples``."""
+        lowest = minimum_filter1d(values, max(2, round(samples)))
+        return np.clip(self.multiple * lowest, self.lowest, self.highest)
 
     def _still(self, gyro: np.ndarray, accel: np.ndarray, window: int, gravity: float) -> np.ndarray:
         """Return whether the body stands at each sample, shape (n,)."""
@@ -150,9 +170,9 @@ class Detector:
         return _at_middle(values < 1, window)
 
 
-def _at_middle(below: np.ndarray, window: int) -> np.ndarray:
-    """Return the decision on the window centred at each sample; the first and last extend to the ends."""
-    return np.pad(below, (window // 2, window - 1 - window // 2), mode="edge")
+def _at_middle(values: np.ndarray, window: int) -> np.ndarray:
+    """Return the value of the window centred at each sample; the first and last extend to the ends."""
+    return np.pad(values, (window // 2, window - 1 - window // 2), mode="edge")
 
 
 def statistic(

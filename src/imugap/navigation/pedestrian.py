@@ -3,15 +3,18 @@
 At stance (:mod:`imugap.filters.zero_velocity`) a point of the foot is at rest; where the body stands, so is the angular
 rate. Neither holds exactly; :class:`WalkAssumptions` states the deviations. They are motions with a correlation time
 tau, not sample noise: n samples of interval T count as n T/(2 tau) independent ones, so that the sampling rate makes no
-difference.
+difference. The velocity of the point is the less certain the more the foot moves: its variance grows with the detection
+statistic. A foot that just came down, rolls off, or swings slowly thus counts for little against one that rests.
 
 The point at rest is not the sensor, since a foot rolls over its sole. The arm from the sensor to that point, constant
 in ``b``, is a state.
 
 The motion between two samples is unknown. Where the output changes by d from one sample to the next, the interval mean
-is uncertain by a share of d: large at a heel strike, small in the swing. An accelerometer clips ahead of its filter, so
-a strike above a share of the full scale (:data:`CLIPPING_SHARE`) may have clipped within the sample: such a sample is
-uncertain, in every direction, by a share of its magnitude.
+is uncertain by a share of d: large at a heel strike, small in the swing. How large a share depends on shoe, gait and
+device; the velocities that the filter predicts for the begins of stances show it, by their likelihood. A sensor clips
+ahead of its filter, so a sample above a share of the full scale (:data:`CLIPPING_SHARE`) may have clipped within: it is
+uncertain by a share of its magnitude (:data:`CLIPPED_SHARE`), a strike in every direction, a rate about its axis. A
+runner's foot turns faster than many gyroscopes measure.
 
 Where the body stands, the gyroscope noise enters both the attitude and the measurement of the rate. The filter takes
 the two as independent, and is slightly pessimistic about the attitude after a stand.
@@ -66,9 +69,21 @@ FLOOR = "floor"
 FLAT_S = 0.1
 """Time from the begin of a stance until the foot is flat on the floor [s]."""
 CLIPPING_SHARE = 0.9
-"""Share of the full scale above which an accelerometer may have clipped within the sample."""
+"""Share of the full scale above which a sensor may have clipped within the sample."""
+CLIPPED_SHARE = 0.3
+"""Uncertainty of such a sample, as a share of its magnitude."""
+SHOCK_SHARES = 0.07, 0.15, 0.35
+"""Shares of the change from sample to sample by which a mean specific force is uncertain: from a soft step to a shock
+that the sampling does not resolve."""
+IMPROBABLE = 9.0
+"""Normalised square from which on an innovation counts no more against a share."""
+MOTION_EXPONENT = 1.5
+"""Exponent of the variance of the velocity at stance over the motion: 1 for an arm that is not known, 2 for a foot that
+is not at rest; both occur."""
 STEP_M = 0.03
 """Height difference above which two stances are not on one level [m]: a slope of 2 % over a stride of 1.5 m."""
+LEVEL_SHARE = 0.1
+"""Variance by which the level of a floor changes from stance to stance, as a share of that of a stance upon it."""
 STEP_STD_M = 1.0
 """Standard deviation of an unknown height difference [m]."""
 MEASUREMENTS = 10
@@ -89,16 +104,17 @@ class WalkAssumptions:
         Zero-velocity detector.
     velocity_std, correlation_s
         Velocity of the point at rest [m/s] and its correlation time [s].
-    settling_std, settling_s
-        Additional velocity at the begin of a stance [m/s], and its time constant [s].
+    motion_std
+        Additional velocity where the motion is at the threshold of the detector [m/s].
     rate_std, rate_correlation_s
         Angular rate of a standing body [rad/s] and its correlation time [s].
     arm_std
         Standard deviation of the arm from the sensor to the point at rest, each axis [m]; 0 makes it the sensor itself.
     blind_gyro, blind_accel
-        Uncertainty of the interval mean, as a share of the change from sample to sample.
-    full_scale
-        Full scale of the accelerometers [m/s^2]; inf if unknown.
+        Uncertainty of the interval mean, as a share of the change from sample to sample. Where that of the
+        accelerometers is None, it is the most likely of :data:`SHOCK_SHARES`.
+    full_scale, rate_full_scale
+        Full scale of the accelerometers [m/s^2] and of the gyroscopes [rad/s]; inf if unknown.
     tilt_std
         Standard deviation of roll and pitch after levelling on a stand of :attr:`imugap.filters.zero_velocity.Detector`
         or longer, without the accelerometer errors [rad]; larger in proportion on a shorter one.
@@ -111,16 +127,16 @@ class WalkAssumptions:
     """
 
     detector: Detector = field(default_factory=Detector)
-    velocity_std: float = 0.015
+    velocity_std: float = 0.002
     correlation_s: float = 0.05
-    settling_std: float = 0.1
-    settling_s: float = 0.05
-    rate_std: float = 0.005
+    motion_std: float = 0.02
+    rate_std: float = 0.002
     rate_correlation_s: float = 0.1
     arm_std: float = 0.1
-    blind_gyro: float = 0.05
-    blind_accel: float = 0.3
+    blind_gyro: float = 0.1
+    blind_accel: float | None = None
     full_scale: float = np.inf
+    rate_full_scale: float = np.inf
     tilt_std: float = 0.005
     floor_std: float = 0.0
     scale_std: tuple[float, float] = (0.0, 0.0)
@@ -194,14 +210,14 @@ class PositionAiding:
 
 
 class _Constants(NamedTuple):
-    """Assumptions for compiled code: spectral densities [unit^2/Hz], shares, clipping limit and gravity [m/s^2]."""
+    """Assumptions for compiled code: spectral densities [unit^2/Hz], shares, clipping limits and gravity [m/s^2]."""
 
     velocity_psd: float
-    settling_psd: float
-    settling_s: float
+    motion_psd: float
     rate_psd: float
     blind: np.ndarray
     reach: float
+    rate_reach: float
     gravity: float
     floor_variance: float
 
@@ -259,7 +275,7 @@ def _floor_height(covariance, errors, variance, row, spread, weight, nav, block,
     """Update by the height of the last stance; return the corrected navigation."""
     floor = len(row) - 1
     residual = nav[0][DOWN] - errors[floor - NAVIGATION]
-    covariance[floor, floor] += variance if abs(residual) < STEP_M else STEP_STD_M * STEP_STD_M
+    covariance[floor, floor] += LEVEL_SHARE * variance if abs(residual) < STEP_M else STEP_STD_M * STEP_STD_M
     row[DOWN], row[floor] = 1.0, -1.0
     nav, _ = apply_measurement(
         covariance, errors, row, residual, variance, spread, weight, nav, block, slot, MEASUREMENTS - 1, True
@@ -285,15 +301,19 @@ def _sample_noise(samples, k, interval, white, constants, noise):
     for a in range(6):
         change = constants.blind[a] * (samples[k, a] - samples[k - 1, a])
         noise[a] = white[a] + change * change * interval
+    for a in range(3):
+        if abs(samples[k, a]) > constants.rate_reach:
+            deviation = CLIPPED_SHARE * samples[k, a]
+            noise[a] += deviation * deviation * interval
     largest = max(abs(samples[k, 3]), abs(samples[k, 4]), abs(samples[k, 5]))
     if largest > constants.reach:
         for a in range(3, 6):
-            deviation = constants.blind[a] * largest
+            deviation = CLIPPED_SHARE * largest
             noise[a] += deviation * deviation * interval
 
 
 @njit(cache=True, error_model="numpy")
-def _filter(samples, dt, phase, seen, fixes, fix_noise, sensors, constants, first, last, state, history, block):
+def _filter(samples, dt, phase, motion, seen, fixes, fix_noise, sensors, constants, first, last, state, history, block):
     """Filter the samples ``first`` to ``last`` (excluded) from the state at the sample before.
 
     Fills ``history`` at these samples, and ``block`` from its begin, unless it is empty.
@@ -330,9 +350,7 @@ def _filter(samples, dt, phase, seen, fixes, fix_noise, sensors, constants, firs
         history.nis[k] = np.nan
         since = since + interval if phase[k] > MOVING else 0.0
         if phase[k] > MOVING:
-            slip = (
-                constants.velocity_psd + constants.settling_psd * np.exp(-2 * since / constants.settling_s)
-            ) / interval
+            slip = (constants.velocity_psd + constants.motion_psd * motion[k] ** MOTION_EXPONENT) / interval
             velocity = seen[k, 0], seen[k, 1], seen[k, 2]
             nav, history.nis[k] = _zero_velocity(
                 covariance, errors, velocity, gyro, slip, arms, row, spread, weight, nav, block, slot
@@ -400,12 +418,7 @@ def innovations(
     the phase from the detector; the other parameters are those of :func:`navigate`. For a consistent filter the
     innovations over their standard deviations are independent and standard normal.
     """
-    aligned = align(log, model, assumptions, velocity, aiding, phase)
-    history, state = aligned.initial()
-    block = SmootherBlock.of_innovations(len(log) - 1, MEASUREMENTS)
-    _filter(*aligned.arguments, 1, len(log), state, history, block)
-    known, first = block.variances > 0, np.full((1, MEASUREMENTS), np.nan)
-    return tuple(np.vstack([first, np.where(known, one, np.nan)]) for one in (block.residuals, block.variances))
+    return _innovations(align(log, model, assumptions, velocity, aiding, phase))
 
 
 @dataclass(frozen=True, eq=False)
@@ -463,6 +476,9 @@ def align(
     if axes(log) != AXES:
         raise LogError("walk", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     assumptions = assumptions or WalkAssumptions()
+    if assumptions.blind_accel is None:
+        shares = (replace(assumptions, blind_accel=share) for share in SHOCK_SHARES)
+        return max((align(log, model, one, velocity, aiding, phase) for one in shares), key=_likelihood)
     samples = np.ascontiguousarray(log[list(AXES)].to_numpy(dtype=float))
     gyro, accel, step = samples[:, :3], samples[:, 3:], interval(log)
     stand = assumptions.detector.stand(gyro, accel, step)
@@ -472,8 +488,27 @@ def align(
     states = SensorStates.of(model, assumptions.scale_std)
     seen = np.zeros((len(samples), 3)) if velocity is None else np.ascontiguousarray(velocity, dtype=float)
     fixes, noise = (np.empty((0, 3)), 1.0) if aiding is None else (aiding.position, aiding.std**2)
-    arguments = samples, dt, phase, seen, fixes, noise, SensorArrays.of(states), _constants(assumptions)
+    motion = assumptions.detector.motion(gyro, accel, step, stand)
+    arguments = samples, dt, phase, motion, seen, fixes, noise, SensorArrays.of(states), _constants(assumptions)
     return AlignedWalk(log.index, assumptions, states, phase, stand, arguments, aiding)
+
+
+def _innovations(aligned: AlignedWalk) -> tuple[np.ndarray, np.ndarray]:
+    """Return the innovations and their variances (:func:`innovations`)."""
+    history, state = aligned.initial()
+    block = SmootherBlock.of_innovations(len(aligned.time) - 1, MEASUREMENTS)
+    _filter(*aligned.arguments, 1, len(aligned.time), state, history, block)
+    known, first = block.variances > 0, np.full((1, MEASUREMENTS), np.nan)
+    return tuple(np.vstack([first, np.where(known, one, np.nan)]) for one in (block.residuals, block.variances))
+
+
+def _likelihood(aligned: AlignedWalk) -> float:
+    """Return the log-likelihood of the velocities at the begins of stances, up to a constant, robust to outliers."""
+    residual, variance = _innovations(aligned)
+    rest = aligned.phase > MOVING
+    begins = rest & ~np.append(True, rest[:-1])
+    square, spread = residual[begins, :3] ** 2, variance[begins, :3]
+    return -float(np.sum(np.minimum(square / spread, IMPROBABLE) + np.log(spread)))
 
 
 def solve(aligned: AlignedWalk, smooth: bool = False) -> WalkSolution:
@@ -494,11 +529,11 @@ def _constants(assumptions: WalkAssumptions) -> _Constants:
     """Return the constants: motion of standard deviation s and correlation time tau as white noise of 2 s^2 tau."""
     return _Constants(
         velocity_psd=2 * assumptions.velocity_std**2 * assumptions.correlation_s,
-        settling_psd=2 * assumptions.settling_std**2 * assumptions.correlation_s,
-        settling_s=assumptions.settling_s,
+        motion_psd=2 * assumptions.motion_std**2 * assumptions.correlation_s,
         rate_psd=2 * assumptions.rate_std**2 * assumptions.rate_correlation_s,
         blind=np.repeat([assumptions.blind_gyro, assumptions.blind_accel], 3),
         reach=CLIPPING_SHARE * assumptions.full_scale,
+        rate_reach=CLIPPING_SHARE * assumptions.rate_full_scale,
         gravity=assumptions.gravity,
         floor_variance=assumptions.floor_std**2,
     )

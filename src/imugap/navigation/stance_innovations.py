@@ -18,7 +18,7 @@ from imugap.effects.effect import AxisModel
 from imugap.filters.zero_velocity import STANCE
 from imugap.log import ACCEL, AXES, GYRO, triad
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import WalkAssumptions, navigate
+from imugap.navigation.pedestrian import WalkAssumptions, align, navigate
 
 INDISTINGUISHABLE = 2.0
 """Difference of log-likelihoods up to which two candidates are indistinguishable."""
@@ -102,7 +102,7 @@ def stance_test(log: pd.DataFrame, model: ErrorModel, assumptions: WalkAssumptio
 
     The uncertainty by the change from sample to sample depends on the scale, and is set to zero here.
     """
-    assumptions = replace(assumptions, blind_gyro=0.0)
+    assumptions = replace(align(log, model, assumptions).assumptions, blind_gyro=0.0)
     rest, freedom = _squares(log, model, assumptions)
     excess = np.sqrt(max(rest / freedom, 1.0))
     rows = []
