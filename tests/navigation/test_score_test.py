@@ -7,7 +7,7 @@ import pytest
 from imugap.effects import Misalignment, ScaleFactor
 from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import PositionAiding, innovations, navigate
+from imugap.navigation.pedestrian import PositionAiding, align, innovations, navigate
 from imugap.navigation.score_test import BlockScores, block_scores, score_test
 from imugap.navigation.stance_innovations import candidate_errors, foot_sinkage
 from imugap.simulation.camera_track import closed_loop_aiding
@@ -35,7 +35,7 @@ def number(name, axis, parameter):
 def scores_of(loop, model, run, aiding=closed_loop_aiding):
     log, assumptions = model.simulate(loop.ideal(run, SEED), SEED, "told", run), known_assumptions(loop)
     solution = navigate(log, loop.model, assumptions)
-    return block_scores(log, solution, aiding(solution), SUSPECTS, loop.model, assumptions)
+    return block_scores(log, aiding(solution), SUSPECTS, loop.model, assumptions)
 
 
 def seen(loop, run):
@@ -48,10 +48,10 @@ def seen(loop, run):
 def test_positions_are_innovations_too(loop):
     log, aiding, assumptions = loop.record(1, SEED), seen(loop, 1), known_assumptions(loop)
     solution = navigate(log, loop.model, assumptions)
-    residual, variance = innovations(log, loop.model, assumptions, aiding=aiding, phase=solution.phase)
+    residual, variance = innovations(align(log, loop.model, assumptions, aiding=aiding))
     assert np.array_equal(np.isfinite(residual[1:, 6]), np.isfinite(aiding.position[1:, 0]))
     own = np.nansum(residual[:, :6] ** 2 / variance[:, :6], axis=1)
-    blind = innovations(log, loop.model, assumptions)
+    blind = innovations(align(log, loop.model, assumptions))
     alone = np.nansum(blind[0] ** 2 / blind[1], axis=1)
     assert np.allclose(alone[1:][~np.isnan(solution.nis[1:])], solution.nis[1:][~np.isnan(solution.nis[1:])])
     assert not np.allclose(own, alone)
@@ -61,7 +61,7 @@ def test_positions_hold_the_walk(loop):
     """With cameras the innovations of position are as large as the filter says, and smaller than the walk's error."""
     aiding, assumptions = seen(loop, 1), known_assumptions(loop)
     log = loop.record(1, SEED)
-    residual, variance = innovations(log, loop.model, assumptions, aiding=aiding)
+    residual, variance = innovations(align(log, loop.model, assumptions, aiding=aiding))
     end = navigate(log, loop.model, assumptions).trajectory[list(POSITION)].iloc[-1]
     off = np.linalg.norm(end - loop.truth(1, SEED)[list(POSITION)].iloc[-1])
     assert np.linalg.norm(residual[np.flatnonzero(np.isfinite(residual[:, 6]))[-1], 6:9]) < off
@@ -100,14 +100,31 @@ def test_a_device_as_its_model_has_it_gets_no_name(plain):
 
 @pytest.mark.slow
 def test_cameras_know_the_turn_of_a_stride_better_than_the_return_to_the_begin(loop):
+    """Over four walks, by the true errors and by the stated ones."""
     turning = ErrorModel(dict(loop.model.axes) | {"gyro_z": loop.model["gyro_z"] + Misalignment(x=0.01)})
     hidden = [number("misalignment", "gyro_z", "x")]
-    closing, cameras = (
-        scores_of(loop, turning, 1, aiding).of(hidden) for aiding in (closed_loop_aiding, lambda _: seen(loop, 1))
-    )
-    assert cameras.sizes()[1][0] < closing.sizes()[1][0]
-    (size,), (std,) = cameras.sizes()
-    assert abs(size - 0.01) < 4 * std < 0.01
+    found = {"closing": [], "cameras": []}
+    for run in (1, 2, 3, 4):
+        for name, aiding in (("closing", closed_loop_aiding), ("cameras", lambda _, run=run: seen(loop, run))):
+            found[name].append(np.ravel(scores_of(loop, turning, run, aiding).of(hidden).sizes()))
+    error, std = ({name: np.array(one)[:, part] for name, one in found.items()} for part in (0, 1))
+    off = {name: np.sqrt(np.mean((one - 0.01) ** 2)) for name, one in error.items()}
+    assert off["cameras"] < 0.5 * off["closing"]
+    assert np.median(std["cameras"]) < np.median(std["closing"])
+    for name, stated in std.items():
+        assert (np.abs(error[name] - 0.01) < 4 * stated).all()
+        assert 0.4 < np.sqrt(np.mean(((error[name] - 0.01) / stated) ** 2)) < 2.5
+
+
+def test_the_weights_are_those_of_the_original_log(loop):
+    """The innovations are linear in a small error: half of it moves them half as far."""
+    log, assumptions = loop.record(1, SEED), known_assumptions(loop)
+    aligned = align(log, loop.model, assumptions)
+    plain, _ = innovations(aligned)
+    scaled = SUSPECTS[number("scale_factor", "gyro_y", "error")].model.simulate(log, 0) - log
+    whole, half = (plain - innovations(aligned.with_samples(log - share * scaled))[0] for share in (1.0, 0.5))
+    known = np.isfinite(plain)
+    assert np.linalg.norm((whole - 2 * half)[known]) < 0.02 * np.linalg.norm(whole[known])
 
 
 def noise(rng, blocks=24, count=10, effect=None, size=0.0):
@@ -143,6 +160,17 @@ def test_sizes_lie_in_their_intervals():
         size, std = noise(rng, effect=4, size=0.5).of([4]).sizes()
         inside += abs(size[0] - 0.5) < 2.07 * std[0]
     assert 0.87 < inside / 300 < 0.985
+
+
+def test_one_block_that_outweighs_the_others_does_not_make_a_size_certain():
+    """The jackknife holds the size as often as it says; the scatter about the size itself would not."""
+    rng, inside = np.random.default_rng(12), 0
+    for _ in range(400):
+        information = np.append(np.full(11, 1.0), 20.0)
+        score = 0.5 * information + 3 * np.sqrt(information) * rng.standard_normal(12)
+        size, std = BlockScores(score[:, None], information[:, None]).sizes()
+        inside += abs(size[0] - 0.5) < 2.2 * std[0]
+    assert 0.9 < inside / 400 < 0.99
 
 
 def test_what_is_there_is_named_first_and_what_is_alike_is_told():

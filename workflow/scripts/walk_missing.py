@@ -55,7 +55,7 @@ class ObservedWalk:
         if seen:
             comparison = compare_with_cameras(replay.solution, readers.positions_of(files, run))
             aiding, end = comparison.aiding(replay.solution), comparison.off
-        scores = block_scores(log, replay.solution, aiding, CANDIDATES, DEFAULT_MODEL)
+        scores = block_scores(log, aiding, CANDIDATES, DEFAULT_MODEL)
         return cls(dataset.name, run, replay, end, scores)
 
 

@@ -209,17 +209,46 @@ class PositionAiding:
     origin_std: float = 0.0
 
 
-class _Constants(NamedTuple):
-    """Assumptions for compiled code: spectral densities [unit^2/Hz], shares, clipping limits and gravity [m/s^2]."""
+class WalkWeights(NamedTuple):
+    """What the filter trusts the samples of a walk by.
 
-    velocity_psd: float
-    motion_psd: float
+    Attributes
+    ----------
+    phase
+        Phase of the foot (:mod:`imugap.filters.zero_velocity`), shape (n,).
+    velocity_psd
+        PSD of the velocity of the point at rest [(m/s)^2/Hz], shape (n,).
+    noise_psd
+        PSD of the noise of each axis [(rad/s)^2/Hz], [(m/s^2)^2/Hz], shape (n, 6).
+    """
+
+    phase: np.ndarray
+    velocity_psd: np.ndarray
+    noise_psd: np.ndarray
+
+
+class _Constants(NamedTuple):
+    """Assumptions for compiled code: PSD of the angular rate at rest [(rad/s)^2/Hz], gravity [m/s^2], floor [m^2]."""
+
     rate_psd: float
-    blind: np.ndarray
-    reach: float
-    rate_reach: float
     gravity: float
     floor_variance: float
+
+
+class _Inputs(NamedTuple):
+    """Inputs of the compiled filter.
+
+    Samples, shape (n, 6); intervals; weights; velocity of the point at rest; known positions and their variance.
+    """
+
+    samples: np.ndarray
+    dt: np.ndarray
+    weights: WalkWeights
+    seen: np.ndarray
+    fixes: np.ndarray
+    fix_noise: float
+    sensors: SensorArrays
+    constants: _Constants
 
 
 class _State(NamedTuple):
@@ -295,43 +324,26 @@ def _position(covariance, errors, position, noise, row, spread, weight, nav, blo
     return nav
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _sample_noise(samples, k, interval, white, constants, noise):
-    """Store the PSD of the noise of sample k: white noise, changes between samples, and clipping."""
-    for a in range(6):
-        change = constants.blind[a] * (samples[k, a] - samples[k - 1, a])
-        noise[a] = white[a] + change * change * interval
-    for a in range(3):
-        if abs(samples[k, a]) > constants.rate_reach:
-            deviation = CLIPPED_SHARE * samples[k, a]
-            noise[a] += deviation * deviation * interval
-    largest = max(abs(samples[k, 3]), abs(samples[k, 4]), abs(samples[k, 5]))
-    if largest > constants.reach:
-        for a in range(3, 6):
-            deviation = CLIPPED_SHARE * largest
-            noise[a] += deviation * deviation * interval
-
-
 @njit(cache=True, error_model="numpy")
-def _filter(samples, dt, phase, motion, seen, fixes, fix_noise, sensors, constants, first, last, state, history, block):
+def _filter(samples, dt, weights, seen, fixes, fix_noise, sensors, constants, first, last, state, history, block):
     """Filter the samples ``first`` to ``last`` (excluded) from the state at the sample before.
 
     Fills ``history`` at these samples, and ``block`` from its begin, unless it is empty.
     """
     axis, scale, decay, driving, white, fixed = sensors
+    phase, velocity_psd, noise_psd = weights
     arms = np.arange(NAVIGATION + len(axis), len(state.covariance) - (constants.floor_variance > 0))
     start, errors, covariance = state.navigation, state.errors, state.covariance
     count, size, stored = len(axis), len(covariance), len(block.rows) > 0
     work, shift = np.empty((size, size)), np.empty((6, size))
     gain, hold, drive = np.ones(count), np.ones(count), np.zeros(count)
     row, spread, weight = np.zeros(size), np.empty(size), np.empty(size)
-    now, before, noise = np.empty(6), np.empty(6), np.empty(6)
+    now, before = np.empty(6), np.empty(6)
     nav = (start[0], start[1], start[2]), (start[3], start[4], start[5]), (start[6], start[7], start[8], start[9])
     mat, since, step = mat_from_quat(nav[2]), state.since[0], 0.0
     for k in range(first, last):
         interval, slot = dt[k], k - first
         compensate(samples, k, axis, scale, fixed, errors, gain, now, before)
-        _sample_noise(samples, k, interval, white, constants, noise)
         if interval != step:
             discretise_states(decay, driving, interval, hold, drive)
             step = interval
@@ -344,13 +356,13 @@ def _filter(samples, dt, phase, motion, seen, fixes, fix_noise, sensors, constan
         nav = local_step(nav[0], nav[1], nav[2], rotvec, delta_v, interval, constants.gravity)
         if stored:
             transposed_transition(block.transposed[slot], work, mat, force, interval, axis, gain, hold, shift)
-        predict(covariance, work, mat, force, interval, axis, gain, hold, drive, noise, shift)
+        predict(covariance, work, mat, force, interval, axis, gain, hold, drive, noise_psd[k], shift)
         for s in range(count):
             errors[s] *= hold[s]
         history.nis[k] = np.nan
         since = since + interval if phase[k] > MOVING else 0.0
         if phase[k] > MOVING:
-            slip = (constants.velocity_psd + constants.motion_psd * motion[k] ** MOTION_EXPONENT) / interval
+            slip = velocity_psd[k] / interval
             velocity = seen[k, 0], seen[k, 1], seen[k, 2]
             nav, history.nis[k] = _zero_velocity(
                 covariance, errors, velocity, gyro, slip, arms, row, spread, weight, nav, block, slot
@@ -404,23 +416,6 @@ def navigate(
     return solve(align(log, model, assumptions, velocity), smooth)
 
 
-def innovations(
-    log: pd.DataFrame,
-    model: ErrorModel,
-    assumptions: WalkAssumptions | None = None,
-    velocity: np.ndarray | None = None,
-    aiding: PositionAiding | None = None,
-    phase: np.ndarray | None = None,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the innovations of the filter and their variances, shape (n, 10); NaN where there is none.
-
-    The columns are velocity, angular rate of a standing body, position, and height over the floor. ``phase`` replaces
-    the phase from the detector; the other parameters are those of :func:`navigate`. For a consistent filter the
-    innovations over their standard deviations are independent and standard normal.
-    """
-    return _innovations(align(log, model, assumptions, velocity, aiding, phase))
-
-
 @dataclass(frozen=True, eq=False)
 class AlignedWalk:
     """Inputs of the filter for a walk after the alignment on its stand.
@@ -431,10 +426,10 @@ class AlignedWalk:
         Stamps of the samples [s].
     assumptions, states
         Assumptions, and sensor states of the error model.
-    phase, stand
-        Phase of the foot at each sample, and sensor statistics of the stand at the start.
-    arguments
-        Arguments of the compiled filter.
+    stand
+        Sensor statistics of the stand at the start.
+    inputs
+        Inputs of the compiled filter.
     aiding
         Known positions, or None.
     """
@@ -442,10 +437,22 @@ class AlignedWalk:
     time: pd.Index
     assumptions: WalkAssumptions
     states: SensorStates
-    phase: np.ndarray
     stand: Stand
-    arguments: tuple
+    inputs: _Inputs
     aiding: PositionAiding | None
+
+    @property
+    def phase(self) -> np.ndarray:
+        """Phase of the foot at each sample, shape (n,)."""
+        return self.inputs.weights.phase
+
+    def with_samples(self, log: pd.DataFrame, velocity: np.ndarray | None = None) -> "AlignedWalk":
+        """Return the walk with the samples of another log of the same instants; its stand and its weights stay.
+
+        Since the weights stay, the innovations are linear in a small error of the samples or of ``velocity``
+        (:func:`align`).
+        """
+        return replace(self, inputs=self.inputs._replace(samples=_samples(log), seen=_velocity(log, velocity)))
 
     @property
     def names(self) -> list[str]:
@@ -455,7 +462,7 @@ class AlignedWalk:
 
     def initial(self) -> tuple[History, _State]:
         """Return the history with its first row, and the initial state."""
-        samples = self.arguments[0]
+        samples = self.inputs.samples
         length = self.stand.count * float(np.median(np.diff(self.time.to_numpy())))
         shorter = max(self.assumptions.detector.stand_s / length, 1.0)
         own = replace(self.assumptions, tilt_std=self.assumptions.tilt_std * shorter)
@@ -470,41 +477,50 @@ class AlignedWalk:
 
 def align(
     log: pd.DataFrame, model: ErrorModel, assumptions: WalkAssumptions | None = None,
-    velocity: np.ndarray | None = None, aiding: PositionAiding | None = None, phase: np.ndarray | None = None,
+    velocity: np.ndarray | None = None, aiding: PositionAiding | None = None,
 ) -> AlignedWalk:  # fmt: skip
-    """Find the stand at the start and the phases of the foot; parameters as in :func:`innovations`."""
+    """Find the stand at the start, the phases of the foot and the weights of the samples.
+
+    Parameters
+    ----------
+    aiding
+        Known positions; the other parameters are those of :func:`navigate`.
+    """
     if axes(log) != AXES:
         raise LogError("walk", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     assumptions = assumptions or WalkAssumptions()
     if assumptions.blind_accel is None:
         shares = (replace(assumptions, blind_accel=share) for share in SHOCK_SHARES)
-        return max((align(log, model, one, velocity, aiding, phase) for one in shares), key=_likelihood)
-    samples = np.ascontiguousarray(log[list(AXES)].to_numpy(dtype=float))
-    gyro, accel, step = samples[:, :3], samples[:, 3:], interval(log)
-    stand = assumptions.detector.stand(gyro, accel, step)
-    phase = assumptions.detector.phases(gyro, accel, step, stand) if phase is None else phase
+        return max((align(log, model, one, velocity, aiding) for one in shares), key=_likelihood)
+    samples, step = _samples(log), interval(log)
+    stand = assumptions.detector.stand(samples[:, :3], samples[:, 3:], step)
     steps = np.diff(log.index.to_numpy())
     dt = np.concatenate([steps[:1], steps])
     states = SensorStates.of(model, assumptions.scale_std)
-    seen = np.zeros((len(samples), 3)) if velocity is None else np.ascontiguousarray(velocity, dtype=float)
     fixes, noise = (np.empty((0, 3)), 1.0) if aiding is None else (aiding.position, aiding.std**2)
-    motion = assumptions.detector.motion(gyro, accel, step, stand)
-    arguments = samples, dt, phase, motion, seen, fixes, noise, SensorArrays.of(states), _constants(assumptions)
-    return AlignedWalk(log.index, assumptions, states, phase, stand, arguments, aiding)
+    inputs = _Inputs(
+        samples, dt, _weights(samples, dt, step, stand, states.white, assumptions), _velocity(log, velocity), fixes,
+        noise, SensorArrays.of(states), _constants(assumptions),
+    )  # fmt: skip
+    return AlignedWalk(log.index, assumptions, states, stand, inputs, aiding)
 
 
-def _innovations(aligned: AlignedWalk) -> tuple[np.ndarray, np.ndarray]:
-    """Return the innovations and their variances (:func:`innovations`)."""
+def innovations(aligned: AlignedWalk) -> tuple[np.ndarray, np.ndarray]:
+    """Return the innovations of the filter and their variances, shape (n, 10); NaN where there is none.
+
+    The columns are velocity, angular rate of a standing body, position, and height over the floor. For a consistent
+    filter the innovations over their standard deviations are independent and standard normal.
+    """
     history, state = aligned.initial()
     block = SmootherBlock.of_innovations(len(aligned.time) - 1, MEASUREMENTS)
-    _filter(*aligned.arguments, 1, len(aligned.time), state, history, block)
+    _filter(*aligned.inputs, 1, len(aligned.time), state, history, block)
     known, first = block.variances > 0, np.full((1, MEASUREMENTS), np.nan)
     return tuple(np.vstack([first, np.where(known, one, np.nan)]) for one in (block.residuals, block.variances))
 
 
 def _likelihood(aligned: AlignedWalk) -> float:
     """Return the log-likelihood of the velocities at the begins of stances, up to a constant, robust to outliers."""
-    residual, variance = _innovations(aligned)
+    residual, variance = innovations(aligned)
     rest = aligned.phase > MOVING
     begins = rest & ~np.append(True, rest[:-1])
     square, spread = residual[begins, :3] ** 2, variance[begins, :3]
@@ -516,7 +532,7 @@ def solve(aligned: AlignedWalk, smooth: bool = False) -> WalkSolution:
     history, state = aligned.initial()
 
     def step(first: int, last: int, state: _State, block: SmootherBlock) -> None:
-        _filter(*aligned.arguments, first, last, state, history, block)
+        _filter(*aligned.inputs, first, last, state, history, block)
 
     if smooth:
         run_smoother(step, state, history, MEASUREMENTS)
@@ -525,18 +541,50 @@ def solve(aligned: AlignedWalk, smooth: bool = False) -> WalkSolution:
     return WalkSolution(aligned.time, aligned.names, history, aligned.phase, state.covariance, aligned.stand)
 
 
+def _samples(log: pd.DataFrame) -> np.ndarray:
+    """Return the samples, shape (n, 6)."""
+    return np.ascontiguousarray(log[list(AXES)].to_numpy(dtype=float))
+
+
+def _velocity(log: pd.DataFrame, velocity: np.ndarray | None) -> np.ndarray:
+    """Return the measured velocity of the point at rest [m/s], shape (n, 3)."""
+    return np.zeros((len(log), 3)) if velocity is None else np.ascontiguousarray(velocity, dtype=float)
+
+
+def _weights(
+    samples: np.ndarray, dt: np.ndarray, step: float, stand: Stand, white: np.ndarray, assumptions: WalkAssumptions
+) -> WalkWeights:
+    """Return the weights of the samples."""
+    gyro, accel, detector = samples[:, :3], samples[:, 3:], assumptions.detector
+    motion = detector.motion(gyro, accel, step, stand) ** MOTION_EXPONENT
+    stds = assumptions.velocity_std, assumptions.motion_std
+    own, moving = (_psd(std, assumptions.correlation_s) for std in stds)
+    noise = white + _interval_variance(samples, assumptions) * dt[:, None]
+    return WalkWeights(detector.phases(gyro, accel, step, stand), own + moving * motion, noise)
+
+
+def _interval_variance(samples: np.ndarray, assumptions: WalkAssumptions) -> np.ndarray:
+    """Return the variance of the interval means by changes between samples and by clipping, shape (n, 6)."""
+    blind = np.repeat([assumptions.blind_gyro, assumptions.blind_accel], 3)
+    variance = (blind * np.diff(samples, axis=0, prepend=samples[:1])) ** 2
+    rate, largest = np.abs(samples[:, :3]), np.abs(samples[:, 3:]).max(axis=1, keepdims=True)
+    for part, size, full in (
+        (slice(3), rate, assumptions.rate_full_scale),
+        (slice(3, 6), largest, assumptions.full_scale),
+    ):
+        variance[:, part] += np.where(size > CLIPPING_SHARE * full, CLIPPED_SHARE * size, 0.0) ** 2
+    return variance
+
+
+def _psd(std: float, correlation_s: float) -> float:
+    """Return the PSD of a motion of a standard deviation and a correlation time, taken for white noise."""
+    return 2 * std**2 * correlation_s
+
+
 def _constants(assumptions: WalkAssumptions) -> _Constants:
-    """Return the constants: motion of standard deviation s and correlation time tau as white noise of 2 s^2 tau."""
-    return _Constants(
-        velocity_psd=2 * assumptions.velocity_std**2 * assumptions.correlation_s,
-        motion_psd=2 * assumptions.motion_std**2 * assumptions.correlation_s,
-        rate_psd=2 * assumptions.rate_std**2 * assumptions.rate_correlation_s,
-        blind=np.repeat([assumptions.blind_gyro, assumptions.blind_accel], 3),
-        reach=CLIPPING_SHARE * assumptions.full_scale,
-        rate_reach=CLIPPING_SHARE * assumptions.rate_full_scale,
-        gravity=assumptions.gravity,
-        floor_variance=assumptions.floor_std**2,
-    )
+    """Return the constants."""
+    rate_psd = _psd(assumptions.rate_std, assumptions.rate_correlation_s)
+    return _Constants(rate_psd, assumptions.gravity, assumptions.floor_std**2)
 
 
 def _initial_state(accel: np.ndarray, states: SensorStates, assumptions: WalkAssumptions) -> _State:

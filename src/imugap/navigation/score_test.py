@@ -1,13 +1,16 @@
 """Score test for sensor errors that several walks share, by blocks of innovations.
 
-The innovations of a filter are linear in a small sensor error of size x: ``e = e0 - J x``. A block of normalised
-innovations gives the score ``J' e0`` and the information ``J' J`` of each candidate error; both add over blocks and
-walks. Since zero velocity observes little, known positions are measurements too, from cameras or from a return to the
-start (:class:`imugap.navigation.pedestrian.PositionAiding`).
+The innovations of a filter with given weights are linear in a small sensor error of size x: ``e = e0 - J x``. The
+weights are those of the original log. Weights of the log without a part of the error would differ, and turn the
+innovations themselves into slopes. A block of normalised innovations gives the score ``J' e0`` and the information
+``J' J`` of each candidate error; both add over blocks and walks. Since zero velocity observes little, known positions
+are measurements too, from cameras or from a return to the start
+(:class:`imugap.navigation.pedestrian.PositionAiding`).
 
 A filter does not model the motion of a foot at stance exactly, so the innovations are neither white nor of the expected
 size. Each walk is weighted by the scatter of its own innovations. Blocks of several strides are nearly independent:
-their scatter gives the intervals (Liang and Zeger 1986). Random signs of the blocks give the p-value of each candidate
+their scatter gives the intervals (Liang and Zeger 1986), by the jackknife, since a return to the start is one block
+that outweighs the others (MacKinnon and White 1985). Random signs of the blocks give the p-value of each candidate
 (wild cluster bootstrap of Cameron, Gelbach and Miller 2008), adjusted for all candidates together (least p-value of
 Westfall and Young 1993). Of the significant candidates the one with the largest likelihood is named.
 
@@ -18,8 +21,10 @@ The angular rate of a standing body is left out: there an error proportional to 
 and a smaller scale factor would always look more likely.
 
 Sources: K.-Y. Liang, S. L. Zeger, Longitudinal data analysis using generalized linear models, Biometrika 73 (1986)
-13-22; A. C. Cameron, J. B. Gelbach, D. L. Miller, Bootstrap-based improvements for inference with clustered errors,
-Rev. Econ. Stat. 90 (2008) 414-427; P. H. Westfall, S. S. Young, Resampling-Based Multiple Testing, 1993.
+13-22; J. G. MacKinnon, H. White, Some heteroskedasticity-consistent covariance matrix estimators with improved finite
+sample properties, J. Econometrics 29 (1985) 305-325; A. C. Cameron, J. B. Gelbach, D. L. Miller, Bootstrap-based
+improvements for inference with clustered errors, Rev. Econ. Stat. 90 (2008) 414-427; P. H. Westfall, S. S. Young,
+Resampling-Based Multiple Testing, 1993.
 """
 
 from collections.abc import Sequence
@@ -32,7 +37,7 @@ from scipy.special import stdtrit
 from imugap.filters.error_state import NAVIGATION
 from imugap.filters.zero_velocity import STANCE
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import PositionAiding, WalkAssumptions, WalkSolution, innovations
+from imugap.navigation.pedestrian import PositionAiding, WalkAssumptions, align, innovations
 from imugap.navigation.stance_innovations import INDISTINGUISHABLE, CandidateError
 
 BLOCK_S = 5.0
@@ -73,7 +78,10 @@ class BlockScores:
         return self.score.sum(axis=0) ** 2 / self.information.sum(axis=0)
 
     def sizes(self, signs: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Return the size of each candidate alone, and its standard deviation from the scatter of the blocks.
+        """Return the size of each candidate alone, and its standard deviation by the jackknife over the blocks.
+
+        A block that outweighs the others draws the size to itself, and would show no scatter about it: each block is
+        compared with the size that the others give.
 
         Parameters
         ----------
@@ -82,11 +90,9 @@ class BlockScores:
             scores and results of shape (candidates,).
         """
         signs = np.ones(len(self.score)) if signs is None else signs
-        total = self.information.sum(axis=0)
-        size = signs @ self.score / total
-        left = (self.score**2).sum(axis=0) - 2 * size * (signs @ (self.score * self.information))
-        left = np.maximum(left + size**2 * (self.information**2).sum(axis=0), np.finfo(float).tiny)
-        return size, np.sqrt(left * len(self.score) / max(len(self.score) - 1, 1)) / total
+        pairs = zip(self.score.T, self.information.T, strict=True)
+        size, std = zip(*(_jackknife(signs * score, information) for score, information in pairs), strict=True)
+        return np.stack(size, axis=-1), np.stack(std, axis=-1)
 
     def p_values(self, rng: np.random.Generator) -> np.ndarray:
         """Return the p-value of each candidate, adjusted for all candidates, shape (candidates,)."""
@@ -95,6 +101,16 @@ class BlockScores:
         together = np.abs(np.vstack([(1 - ROUNDING) * size / std, drawn]))
         ranks = np.argsort(np.argsort(together, axis=0), axis=0)
         return 1 - np.searchsorted(np.sort(ranks.max(axis=1)), ranks[0]) / len(ranks)
+
+
+def _jackknife(score: np.ndarray, information: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the size by scores, shape (..., blocks), and information, shape (blocks,), and its standard deviation."""
+    total, count = information.sum(), len(information)
+    others = np.maximum(total - information, np.finfo(float).tiny)
+    gathered = score.sum(axis=-1, keepdims=True)
+    apart = score - information / others * (gathered - score)
+    scatter = np.maximum((apart**2).sum(axis=-1), np.finfo(float).tiny)
+    return gathered[..., 0] / total, np.sqrt(scatter * max(count - 1, 1) / count) / total
 
 
 @dataclass(frozen=True)
@@ -128,33 +144,28 @@ class ScoreTest:
 
 
 def block_scores(
-    log: pd.DataFrame, solution: WalkSolution, aiding: PositionAiding, candidates: Sequence[CandidateError],
-    model: ErrorModel, assumptions: WalkAssumptions | None = None,
+    log: pd.DataFrame, aiding: PositionAiding, candidates: Sequence[CandidateError], model: ErrorModel,
+    assumptions: WalkAssumptions | None = None,
 ) -> BlockScores:  # fmt: skip
     """Return the scores of the candidates by the blocks of a walk.
 
     Parameters
     ----------
-    solution
-        Filter solution of the original log, which gives the stances for all candidates.
     aiding
         Known positions of the device.
     model, assumptions
-        Those of the solution.
+        Error model and assumptions of the filter.
     """
-
-    def residuals(of: pd.DataFrame, velocity: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        return innovations(of, model, assumptions, velocity, aiding, solution.phase)
-
-    plain, variance = residuals(log)
-    known, std = np.isfinite(plain), np.sqrt(variance)
-    known[solution.phase != STANCE, : NAVIGATION - 3] = False
+    aligned = align(log, model, assumptions, aiding=aiding)
+    plain, variance = innovations(aligned)
+    known, std, stance = np.isfinite(plain), np.sqrt(variance), aligned.phase == STANCE
+    known[~stance, : NAVIGATION - 3] = False
     columns = []
     for one in candidates:
         if one.velocity is None:
-            shifted, _ = residuals(log - (one.model.simulate(log, 0) - log))
+            shifted, _ = innovations(aligned.with_samples(log - (one.model.simulate(log, 0) - log)))
         else:
-            shifted, _ = residuals(log, one.small * np.outer(solution.phase == STANCE, one.velocity))
+            shifted, _ = innovations(aligned.with_samples(log, one.small * np.outer(stance, one.velocity)))
         columns.append(((plain - shifted) / std)[known] / one.small)
     first = (plain / std)[known]
     slopes, square = np.column_stack(columns), np.mean(first**2)

@@ -7,7 +7,7 @@ deviation grows with them.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -18,7 +18,7 @@ from imugap.effects.effect import AxisModel
 from imugap.filters.zero_velocity import STANCE
 from imugap.log import ACCEL, AXES, GYRO, triad
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import WalkAssumptions, align, navigate
+from imugap.navigation.pedestrian import AlignedWalk, WalkAssumptions, align, solve
 
 INDISTINGUISHABLE = 2.0
 """Difference of log-likelihoods up to which two candidates are indistinguishable."""
@@ -98,17 +98,14 @@ class StanceTest:
 
 
 def stance_test(log: pd.DataFrame, model: ErrorModel, assumptions: WalkAssumptions) -> StanceTest:
-    """Estimate every candidate error from the innovations of a walk.
-
-    The uncertainty by the change from sample to sample depends on the scale, and is set to zero here.
-    """
-    assumptions = replace(align(log, model, assumptions).assumptions, blind_gyro=0.0)
-    rest, freedom = _squares(log, model, assumptions)
+    """Estimate every candidate error from the innovations of a walk, with the weights of the original log."""
+    aligned = align(log, model, assumptions)
+    rest, freedom = _squares(aligned), 3 * np.count_nonzero(aligned.phase == STANCE)
     excess = np.sqrt(max(rest / freedom, 1.0))
     rows = []
     for candidate in candidate_errors():
         error = candidate.model.simulate(log, 0) - log
-        less, more = (_squares(log - sign * error, model, assumptions)[0] for sign in (1, -1))
+        less, more = (_squares(aligned.with_samples(log - sign * error)) for sign in (1, -1))
         curvature = (less + more - 2 * rest) / candidate.small**2
         value, std = np.nan, np.inf
         if curvature > 0:
@@ -119,8 +116,6 @@ def stance_test(log: pd.DataFrame, model: ErrorModel, assumptions: WalkAssumptio
     return StanceTest(table, rest / freedom)
 
 
-def _squares(log: pd.DataFrame, model: ErrorModel, assumptions: WalkAssumptions) -> tuple[float, int]:
-    """Return the sum of the normalised squared innovations and its degrees of freedom."""
-    solution = navigate(log, model, assumptions)
-    known = solution.phase == STANCE
-    return float(solution.nis[known].sum()), 3 * np.count_nonzero(known)
+def _squares(aligned: AlignedWalk) -> float:
+    """Return the sum of the normalised squared innovations at stance."""
+    return float(solve(aligned).nis[aligned.phase == STANCE].sum())

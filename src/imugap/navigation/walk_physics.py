@@ -6,7 +6,6 @@ again with stamps of half and of twice the interval and with rates in degrees, a
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -56,7 +55,7 @@ def stance_velocity(log: pd.DataFrame, model: ErrorModel, assumptions: WalkAssum
     """Return the root mean square velocity that the filter predicts at the begin of stances [m/s]; inf without any."""
     try:
         aligned = pedestrian.align(log, model, assumptions)
-        residual, _ = pedestrian.innovations(log, model, assumptions, phase=aligned.phase)
+        residual, _ = pedestrian.innovations(aligned)
     except ValueError:
         return np.inf
     rest = aligned.phase > MOVING
@@ -76,7 +75,7 @@ def _check_axes(log: pd.DataFrame) -> None:
 
 def _check_gravity(log: pd.DataFrame, assumptions: WalkAssumptions) -> None:
     """Raise a ValueError where the specific force at the stand is not gravity."""
-    stand = pedestrian.align(log, ErrorModel({}), replace(assumptions)).stand
+    stand = pedestrian.align(log, ErrorModel({}), assumptions).stand
     if abs(stand.gravity / assumptions.gravity - 1) > GRAVITY_SHARE:
         raise ValueError(
             f"walk: expected a specific force at the stand near {assumptions.gravity:.4g} m/s^2 (--gravity); found "
