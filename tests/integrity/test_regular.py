@@ -6,7 +6,7 @@ import pytest
 
 from imugap.integrity.regular import regular
 from imugap.integrity.timestamps import stamps
-from imugap.log import AXES, TIME, LogError
+from imugap.log import ACCEL, AXES, GYRO, TIME, LogError
 from imugap.stream import stream
 
 COUNT = 6000
@@ -280,3 +280,22 @@ def test_a_stuck_stretch_is_not_taken_for_interpolated_values():
     found = regular(table)
     assert len(found.samples["gyro_x"].values) == 20_000
     assert found.remarks == ()
+
+
+@pytest.mark.parametrize("accel_hz", [100.0, 80.0, 160.0])
+def test_streams_with_stamps_of_their_own_are_joined_at_the_stamps_of_the_fastest(accel_hz):
+    def course(time):
+        return np.sin(2 * np.pi * time)[:, None] * [1.0, 2.0, 3.0]
+
+    gyro, accel = np.arange(2000) / 100, 0.0033 + np.arange(int(20 * accel_hz)) / accel_hz
+    noise = stream(3, "streams").normal(0, 1e-3, (len(gyro) + len(accel), 3))
+    rates = pd.DataFrame(course(gyro) + noise[: len(gyro)], index=gyro, columns=list(GYRO))
+    forces = pd.DataFrame(course(accel) + noise[len(gyro) :], index=accel, columns=list(ACCEL))
+    forces = forces[(accel < 5) | (accel > 5.2)]
+    joined = regular(pd.concat([rates, forces]).sort_index()).measured
+    assert tuple(joined.columns) == (*GYRO, *ACCEL)
+    assert 1 / np.median(np.diff(joined.index)) == pytest.approx(max(accel_hz, 100), rel=1e-3)
+    assert not ((joined.index > 5.01) & (joined.index < 5.19)).any()
+    assert joined.index[0] >= 0.0033
+    np.testing.assert_allclose(joined[list(GYRO)], course(joined.index), atol=8e-3)
+    np.testing.assert_allclose(joined[list(ACCEL)], course(joined.index), atol=8e-3)

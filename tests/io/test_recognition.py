@@ -101,8 +101,7 @@ def test_a_bias_of_z_stays_one_of_z(tmp_path):
 
 
 def test_the_contract_is_taken_without_a_word(tmp_path):
-    for samples in (at_rest(up=(0, 0, -1)), at_rest(up=(0.3, 0, -0.954)), -turned()):
-        samples[:, :3] *= np.sign(samples[0, 5]) * -1
+    for samples in (at_rest(up=(0, 0, -1)), at_rest(up=(0.3, 0, -0.954)), turned() * np.tile([1, -1, -1], 2)):
         found = read(written(tmp_path, samples))
         assert found.recognised == ()
         np.testing.assert_allclose(found.log.to_numpy(), samples, rtol=1e-8)
@@ -213,3 +212,26 @@ def test_a_unit_of_a_header_that_is_not_known_is_refused_and_the_option_decides(
         read(path)
     found = read(path, RecordingSettings(units=given_units(["rad/s", "m/s^2"]), frame="as-is"))
     np.testing.assert_allclose(found.log.to_numpy(), turned(), rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize("signs", [(-1, -1, -1, 1, 1, 1), (1, 1, 1, 1, -1, 1), (-1, 1, 1, 1, 1, 1)])
+def test_axes_of_the_wrong_sign_are_refused_and_taken_by_name(tmp_path, signs):
+    header = ["time (s)", *(f"gyro {a} (rad/s)" for a in "xyz"), *(f"accel {a} (m/s^2)" for a in "xyz")]
+    path = written(tmp_path, turned() * signs, header)
+    with pytest.raises(LogError, match=r"right-hand rule.*gravity turns as with gyro_.* of the other sign"):
+        read(path)
+    columns = [f"{name}={of}" for name, of in zip(CONTRACT, header, strict=True)]
+    found = read(path, RecordingSettings(columns=tuple(columns), units={"gyro": "rad/s"}, frame="as-is"))
+    np.testing.assert_allclose(found.log.to_numpy(), turned() * signs, rtol=1e-6, atol=1e-9)
+
+
+def test_lines_of_several_sensors_below_the_header_of_one_are_refused(tmp_path):
+    lines = ["# ACCE;time;Acc_X(m/s^2);Acc_Y(m/s^2);Acc_Z(m/s^2)", "# GYRO;time;Gyr_X(rad/s);Gyr_Y(rad/s);Gyr_Z(rad/s)"]
+    for time, row in zip(times(), at_rest(), strict=True):
+        lines += [
+            ";".join([tag, *(f"{value:.6f}" for value in (time, *part))])
+            for tag, part in (("ACCE", row[3:]), ("GYRO", row[:3]))
+        ]
+    (tmp_path / "app.txt").write_text("\n".join(lines) + "\n")
+    with pytest.raises(LogError, match=r"expected lines of one sensor .*; found lines of ACCE, GYRO"):
+        read(tmp_path / "app.txt")

@@ -24,7 +24,7 @@ CONSEQUENCES: dict[Fault, tuple[str, ...]] = {
     Fault.TWICE: (NOTED, NOTED, NOTED, NOTED, NOTED),
     Fault.LOST_VALUES: (NOTED, NOTED, NOTED, NOTED, NOTED),
     Fault.DEAD: (NOTED, NOTED, NOTED, NEVER, NEVER),
-    Fault.STREAMS: (FINE, FINE, NEVER, NEVER, NEVER),
+    Fault.STREAMS: (FINE, FINE, NEVER, "joined", "joined"),
     Fault.RESET: (FINE, FINE, FINE, FINE, FINE),
     Fault.UNEVEN: (FINE, FINE, FINE, FINE, FINE),
     Fault.LOST: (LESS, LESS, LESS, "filled", "filled"),
@@ -35,7 +35,7 @@ LONGEST_GAP_S = {"walk": 0.1, "drive": 0.5}
 """Longest gap that a command fills [s]."""
 NEXT = {
     Fault.DEAD: "record all axes for navigation",
-    Fault.STREAMS: "for the others join the streams on one clock",
+    Fault.STREAMS: "for discover record all axes on one clock",
     Fault.LOST: "for navigation record without gaps",
     Fault.HELD: "poll the sensor at its own rate",
 }

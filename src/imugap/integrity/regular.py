@@ -4,7 +4,7 @@
 is lost as NaN, states all of it in sentences, and raises a LogError where no number could be right.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -16,7 +16,7 @@ from imugap.integrity.clock_reset import row_number
 from imugap.integrity.row_clock import rate_change
 from imugap.integrity.timestamps import Stamps, stamps
 from imugap.integrity.true_sampling import KNOTS, REPEATED, TrueSampling, held, interpolated
-from imugap.log import ACCEL, GYRO, TIME, LogError, axes
+from imugap.log import ACCEL, COLUMNS, GYRO, TIME, LogError, axes
 from imugap.numerics.runs import runs_of
 
 IMPROBABLE = 1e-6
@@ -50,6 +50,10 @@ class Fault(Enum):
     HELD = "repeated values"
     INTERPOLATED = "interpolated values"
     """Values between slower samples."""
+
+
+NEIGHBOURS = 1.5
+"""Distance of samples [intervals] above which one between them is lost."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +100,8 @@ class Regular:
         Axes without use, each with a sentence.
     remarks
         Faults of stamps and samples, in the order of the stages.
+    streams
+        Axes with stamps of their own, one table for each clock, with its interval [s]; ``log`` is one of them.
     """
 
     source: str
@@ -104,6 +110,7 @@ class Regular:
     samples: dict[str, AxisSamples]
     unusable: dict[str, str]
     remarks: tuple[Remark, ...]
+    streams: tuple[tuple[pd.DataFrame, float], ...]
 
     @property
     def lost(self) -> np.ndarray:
@@ -114,13 +121,14 @@ class Regular:
     def measured(self) -> pd.DataFrame:
         """Return the samples that all axes have, at their times on the even clock; LogError without one of the axes.
 
-        Where all axes repeat their values alike, one row of each value.
+        Where all axes repeat their values alike, one row of each value. Axes with stamps of their own are interpolated
+        to the stamps of the fastest ones.
         """
         if self.unusable:
             raise LogError(self.source, "columns", "values on every axis", "; ".join(self.unusable.values()))
+        if len(self.streams) > 1:
+            return _joined(self.streams)
         names = list(axes(self.log))
-        if set(names) < set(self.samples):
-            raise LogError(self.source, "rows", "values of all axes", "axes with stamps of their own; join them first")
         rows = self.log.dropna(subset=names)
         slowest = min(one.interval for one in self.samples.values()) / self.interval
         if slowest < REPEATED or slowest > KNOTS:
@@ -167,7 +175,28 @@ def regular(table: pd.DataFrame, source: str = "log", place: Callable[[int], str
         *dict.fromkeys(remark for of in clocks for remark in _of_clock(of)), *slower,
     )  # fmt: skip
     ordered = {name: samples[name] for name in names if name in samples}
-    return Regular(source, log, clock.interval, ordered, unusable, remarks)
+    intervals = [of.interval for of in clocks]
+    return Regular(source, log, clock.interval, ordered, unusable, remarks, tuple(zip(whole, intervals, strict=True)))
+
+
+def _joined(streams: Sequence[tuple[pd.DataFrame, float]]) -> pd.DataFrame:
+    """Return the samples of streams, each a table with its interval [s], at the stamps of the fastest."""
+    fastest, *others = sorted(streams, key=lambda one: one[1])
+    joined = fastest[0].dropna(subset=list(axes(fastest[0])))
+    for stream, interval in others:
+        joined = joined.join(_at(joined.index.to_numpy(), stream, interval)).dropna(subset=list(axes(stream)))
+    return joined[[name for name in COLUMNS if name in joined]]
+
+
+def _at(time: np.ndarray, stream: pd.DataFrame, interval: float) -> pd.DataFrame:
+    """Return a stream, linear between its samples, at times [s], shape (n,); NaN outside of it and within its gaps."""
+    known = stream.dropna(subset=list(axes(stream)))
+    stamps = known.index.to_numpy()
+    after = np.searchsorted(stamps, time).clip(1, len(stamps) - 1)
+    apart = stamps[after] - stamps[after - 1] > NEIGHBOURS * interval
+    outside = (time < stamps[0]) | (time > stamps[-1])
+    values = {name: np.interp(time, stamps, known[name]) for name in known}
+    return pd.DataFrame(values, index=pd.Index(time, name=TIME)).mask(apart | outside)
 
 
 def _once(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFrame, list[Remark]]:

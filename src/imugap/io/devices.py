@@ -17,12 +17,14 @@ NAMING = frozenset([
 """Words of the name of such a column; it has no others."""
 ROWS = 2000
 """Rows at the begin of a file that show whether it has several devices."""
+SHOWN = 8
 RECURRENCE = 4
 """Fewest rows of a device there, on average."""
 
 
 def one_device(source: Source, topic: str | None) -> Source:
     """Return the rows of the device ``topic``, or all where no column names devices; LogError where it decides."""
+    _require_one_sensor(source)
     for column in (k for k, name in enumerate(source.names) if _names_devices(name)):
         with whole_file(source.path):
             known = _devices(source, column)
@@ -34,6 +36,18 @@ def one_device(source: Source, topic: str | None) -> Source:
             raise LogError(source.path, f"column {source.names[column]}", expected, found)
         return _rows_of(source, column, topic)
     return source
+
+
+def _require_one_sensor(source: Source) -> None:
+    """Raise a LogError where the first word of each line names a sensor, and the columns are those of one of them."""
+    name = source.names[0]
+    if not any(one.isalpha() for one in name):
+        return
+    with whole_file(source.path):
+        tags = [one for one in _devices(source, 0) if one.isidentifier()]
+    if len(tags) > 1 and any(tag in name for tag in tags):
+        expected = "lines of one sensor (a file for each first word)"
+        raise LogError(source.path, source.heading, expected, f"lines of {', '.join(tags[:SHOWN])}")
 
 
 def _names_devices(name: str) -> bool:

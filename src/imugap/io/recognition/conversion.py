@@ -88,6 +88,8 @@ def conversion(
         sentences += [] if unit.evidence is None else [unit.sentence("accel")]
         accel = accel * unit.to_si(rate) if accel.shape[1] == len(ACCEL) else None
     force = None if accel is None else samples.force_of(accel)
+    if accel is not None and gyro is not None and gyro.shape[1] == len(GYRO) and not settings.columns:
+        _require_turns(gyro, accel, rate)
     if gyro is not None:
         unit = units.gyro_unit(gyro, accel, rate, settings.units.get("gyro"), assignment.units.get("gyro"), contract)
         sizes |= dict.fromkeys(GYRO, unit.to_si(rate))
@@ -158,6 +160,18 @@ def _counted_unit(
         expected = "the unit of stamps that are whole numbers (--time-unit decides)"
         raise LogError("log", f"column {stamp}", expected, f"a step of {step:.6g}: {readings}")
     return found.unit, found.reason
+
+
+def _require_turns(gyro: np.ndarray, accel: np.ndarray, rate_hz: float) -> None:
+    """Raise a LogError where gravity turns as with other signs of the gyroscopes."""
+    signs = samples.opposed(gyro, accel, rate_hz)
+    if signs is not None:
+        others = ", ".join(axis for axis, sign in zip(GYRO, signs, strict=True) if sign < 0)
+        expected = (
+            "angular rates by the right-hand rule, in the axes of the accelerometers "
+            "(change the signs in the file, or name the columns by --columns to take them as they are)"
+        )
+        raise LogError("log", units.PLACES["gyro"], expected, f"gravity turns as with {others} of the other sign")
 
 
 def _triad(values: Mapping[str, np.ndarray], axes: tuple[str, ...]) -> np.ndarray | None:

@@ -5,6 +5,7 @@ All on plain arrays, shape (n, 3), in the unit of the file.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -42,6 +43,8 @@ LAG_S = 0.15
 FEWEST_WINDOWS = 40
 CORRELATED, WELL_CORRELATED = 0.3, 0.5
 """Correlations of these from which the unit follows, and from which it outweighs a header."""
+EXPLAINED, UNEXPLAINED = 0.8, 0.4
+"""Correlations of these by other signs of the axes, and by those of the file, from which the file has wrong signs."""
 NEAR = 6.0
 """Ratio of the regression to 1 within which a unit is right."""
 STRETCH, STRETCHES = 16384, 12
@@ -224,19 +227,59 @@ def time_unit(
     return None
 
 
-def _by_gravity(gyro: np.ndarray, accel: np.ndarray, rate_hz: float) -> RateEvidence | None:
-    """Compare the change of the specific force with its turns by the gyroscopes, ``df/dt = -omega x f`` (regression).
+def opposed(gyro: np.ndarray, accel: np.ndarray, rate_hz: float) -> tuple[int, ...] | None:
+    """Return the signs of the axes of the gyroscopes with which their rates turn gravity; None where it is their own.
 
-    Motion adds to the change, but a factor of 57 shows through. A correlation is needed, for a device that turns about
-    the vertical only shows nothing.
+    Of all eight combinations of signs; a combination that is no rotation is of axes that are mirrored, or of a sense of
+    rotation against the right-hand rule. It has to explain the change of the specific force, which those of the file do
+    not.
+
+    Parameters
+    ----------
+    gyro, accel
+        Angular rate and specific force, shape (n, 3), in any unit.
+    rate_hz
+        Sampling rate.
+    """
+    finite = np.isfinite(gyro).all(axis=1) & np.isfinite(accel).all(axis=1)
+    found = _turns(gyro[finite], accel[finite], rate_hz)
+    if found is None:
+        return None
+    change, force, rate = found
+    by_signs = {signs: _correlation(change, -np.cross(rate * signs, force)) for signs in product((1, -1), repeat=3)}
+    best = max(by_signs, key=by_signs.__getitem__)
+    return best if by_signs[best] > EXPLAINED and by_signs[1, 1, 1] < UNEXPLAINED else None
+
+
+def _correlation(change: np.ndarray, turn: np.ndarray) -> float:
+    size = np.sum(turn**2) * np.sum(change**2)
+    return float(np.sum(change * turn) / np.sqrt(size)) if size > 0 else 0.0
+
+
+def _turns(gyro: np.ndarray, accel: np.ndarray, rate_hz: float) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Return the change of the specific force from window to window, and its means and those of the rates between them.
+
+    Shape (windows - 1, 3) each; None where there are too few windows.
     """
     width = max(int(LAG_S * rate_hz), 1)
     windows = len(accel) // width
     if windows < FEWEST_WINDOWS:
         return None
     force, rate = (one[: windows * width].reshape(windows, width, 3).mean(axis=1) for one in (accel, gyro))
-    change = np.diff(force, axis=0) * rate_hz / width
-    turn = -np.cross((rate[1:] + rate[:-1]) / 2, (force[1:] + force[:-1]) / 2)
+    return np.diff(force, axis=0) * rate_hz / width, (force[1:] + force[:-1]) / 2, (rate[1:] + rate[:-1]) / 2
+
+
+def _by_gravity(gyro: np.ndarray, accel: np.ndarray, rate_hz: float) -> RateEvidence | None:
+    """Compare the change of the specific force with its turns by the gyroscopes, ``df/dt = -omega x f`` (regression).
+
+    Motion adds to the change, but a factor of 57 shows through. A correlation is needed, for a device that turns about
+    the vertical only shows nothing.
+    """
+    found = _turns(gyro, accel, rate_hz)
+    if found is None:
+        return None
+    change, force, rate = found
+    turn = -np.cross(rate, force)
     common, size = np.sum(change * turn), np.sum(turn**2)
     if not size > 0:
         return None
