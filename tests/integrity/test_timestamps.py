@@ -63,3 +63,10 @@ def test_losses_of_several_samples_are_found_between_coarse_stamps():
     found = stamps(np.round(number / 800, 3))
     assert found.interval == pytest.approx(1 / 800, rel=1e-6)
     np.testing.assert_array_equal(np.flatnonzero(~found.lost), number)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("size", [2, 4])
+def test_stamps_of_packets_that_are_all_alike_give_no_warning(size):
+    time = np.arange(4000) // size * size / 100
+    assert stamps(time).interval == pytest.approx(0.01, rel=1e-3)

@@ -48,3 +48,12 @@ def test_a_column_with_one_device_or_a_number_of_each_row_is_none_of_devices(tmp
     numbered = [lines[0], *(line.replace("left", str(k)) for k, line in enumerate(lines[1:]))]
     path.write_text("\n".join(numbered) + "\n")
     np.testing.assert_allclose(read(path).log.to_numpy(), samples, rtol=1e-8)
+
+
+def test_a_bad_row_of_a_file_with_devices_is_named(tmp_path):
+    path = tmp_path / "two.csv"
+    written(path, ["left", "right"], "device", INTERLEAVED)
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[:9], "1,left,3", *lines[9:]]) + "\n")
+    with pytest.raises(LogError, match=r"line 10: expected 8 values .*; found 3"):
+        read(path, RecordingSettings(topic="left"))

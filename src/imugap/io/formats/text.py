@@ -273,8 +273,11 @@ def _batches(path: Path, dialect: Dialect, columns: Sequence[int]) -> Iterator[l
 
 def _texts(path: Path, dialect: Dialect, column: int) -> Iterator[np.ndarray]:
     """Yield the cells of a column, shape (n,), in the rows of the numbers."""
-    for batch in _read(path, dialect, {column: pa.string()}):
-        yield batch[column].fill_null("").to_numpy(zero_copy_only=False)
+    try:
+        for batch in _read(path, dialect, {column: pa.string()}):
+            yield batch[column].fill_null("").to_numpy(zero_copy_only=False)
+    except pa.ArrowInvalid as error:
+        raise _diagnosis(path, dialect, [], str(error)) from error
 
 
 def _read(path: Path, dialect: Dialect, kinds: Mapping[int, pa.DataType]) -> Iterator[Mapping[int, pa.Array]]:
