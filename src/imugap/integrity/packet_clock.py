@@ -24,7 +24,7 @@ def packet_slots(time: np.ndarray) -> tuple[np.ndarray, float] | None:
 
     ``time``, shape (n,) [s], does not decrease. The samples missing in an incomplete packet are taken as its last.
     """
-    if len(time) < FEWEST:
+    if len(time) < FEWEST or time[-1] == time[0]:
         return None
     steps = np.diff(time)
     begins = _between(steps + TINY * steps.mean())
@@ -50,8 +50,7 @@ def _between(steps: np.ndarray) -> np.ndarray | None:
     """Return which steps, shape (n,), are between packets; None if no gap separates two sizes of steps."""
     ordered = np.sort(steps)
     low, high = ordered[:-1], ordered[1:]
-    ratio = np.divide(high, low, out=np.where(high > 0, np.inf, 0.0), where=low > 0)
-    ratio = np.where(low < steps.mean(), ratio, 0.0)[: int((1 - BETWEEN) * len(steps))]
+    ratio = np.where(low < steps.mean(), high / low, 0.0)[: int((1 - BETWEEN) * len(steps))]
     ratio[: int(WITHIN * len(steps))] = 0.0
     at = int(np.argmax(np.r_[ratio, 0.0]))
     return steps > ordered[at] if at < len(ratio) and ratio[at] > APART else None
