@@ -110,8 +110,22 @@ def test_a_foot_that_never_gets_quite_still_has_its_stances_by_the_lowest_of_its
 
 def test_a_log_that_does_not_begin_with_a_stand_is_refused():
     gyro, accel, edges = walk()
-    with pytest.raises(ValueError, match=r"walk: expected a stand of 0.2 s or more at the start; found 0 s"):
+    with pytest.raises(
+        ValueError, match=r"walk: expected a stand of 0.2 s or more at the start \(or --heading-free\); found 0 s"
+    ):
         Detector().stand(gyro[edges[0] :], accel[edges[0] :], 0.005)
     still = Detector().stand(gyro[: edges[0]], accel[: edges[0]], 0.005)
     assert isinstance(still, Stand)
     assert still.count == edges[0]
+
+
+def test_without_a_stand_the_quietest_stance_takes_its_place():
+    gyro, accel, edges = walk()
+    begin = edges[0] + 40
+    found = Detector().stand_or_stance(gyro[begin:], accel[begin:], 0.005, GRAVITY)
+    assert not found.still
+    assert found.bias == (0.0, 0.0, 0.0)
+    assert edges[1] <= begin + found.first
+    assert begin + found.rows.stop <= edges[2]
+    whole = Detector().stand_or_stance(gyro, accel, 0.005, GRAVITY)
+    assert whole == Detector().stand(gyro, accel, 0.005)

@@ -234,6 +234,49 @@ def test_samples_near_the_full_scale_are_doubted_and_no_others(walk):
     assert np.trace(doubted.horizontal[-1]) > np.trace(believed.horizontal[-1])
 
 
+def test_gyroscopes_that_are_clipped_are_found_and_doubted(walk):
+    """Half of the largest rate is beyond the full scale: the end is nearer, and stated to be less sure."""
+    walk = replace(walk, course=WalkCourse(2.0, (WalkLeg(12),), 1.0))
+    ideal, end = walk.ideal(0, SEED), walk.truth(0, SEED)[["north", "east"]].iloc[-1].to_numpy(float)
+    limit = 0.7 * ideal[list(GYRO)].abs().to_numpy().max()
+    clipped = ideal.assign(**{axis: ideal[axis].clip(-limit, limit) for axis in GYRO})
+    known = WalkAssumptions(gravity=walk.site.gravity)
+    found = {
+        scale: navigate(clipped, DEFAULT_MODEL, replace(known, rate_full_scale=scale))
+        for scale in (np.inf, limit, None)
+    }
+    np.testing.assert_allclose(found[None].history.navigation, found[limit].history.navigation, atol=1e-6)
+    off = {scale: np.linalg.norm(one.trajectory[["north", "east"]].iloc[-1] - end) for scale, one in found.items()}
+    assert off[None] < off[np.inf]
+    assert np.trace(found[None].horizontal[-1]) > np.trace(found[np.inf].horizontal[-1])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("begin_s", [4.6, 5.2], ids=["in a swing", "at a stance"])
+def test_a_walk_that_begins_in_motion_errs_as_much_as_it_says(walk, matched, begin_s):
+    """In the frame of the foot at the first sample: NEES of the end over devices; the velocity at the start is found.
+
+    The level of the stance is exact in the simulation, and stated as that of a foot: the velocity errs by less.
+    """
+    truth, free = walk.truth(0, SEED).loc[begin_s:], replace(matched, heading_free=True)
+    frame = from_euler((0.0, 0.0, float(truth["heading"].iloc[0]))).inv()
+    ends = truth[list(POSITION)].to_numpy(float)
+    end, start = frame.apply(ends[-1] - ends[0]), frame.apply(truth[list(VELOCITY)].to_numpy(float)[1])
+    squares = []
+    for run in range(20):
+        log, velocity, _ = drawn(walk, matched, run)
+        late = log.loc[begin_s:]
+        turned = frame.apply(velocity[-len(late) :])
+        one = navigate(late, walk.model, free, smooth=True, velocity=turned)
+        off = (one.trajectory[list(POSITION)].to_numpy()[-1] - end)[:2]
+        squares.append(off @ np.linalg.solve(one.horizontal[-1], off))
+        first, std = (table[list(VELOCITY)].to_numpy()[1] for table in (one.trajectory, one.trajectory_std))
+        assert (np.abs(first - start) < 3 * std).all()
+        assert std.max() < 0.3
+    low, high = nees_band(2, 20, 0.99)
+    assert low < np.mean(squares) < high
+
+
 @pytest.fixture(scope="module")
 def tilted():
     """A device whose accelerometers have biases of 0.1 m/s^2: at stance a tilt of 10 mrad balances them."""

@@ -83,13 +83,14 @@ def walk(
     gravity: float = STANDARD_GRAVITY,
     full_scale: float = inf,
     outdoors: bool = False,
+    heading_free: bool = False,
 ) -> Walked:
     """Navigate a walk with the device on a foot, corrected whenever the foot stands.
 
     Parameters
     ----------
     log
-        Log of all six axes, which begins with a stand of 0.2 s or more.
+        Log of all six axes, which begins with a stand of 0.2 s or more (or ``heading_free``).
     model
         Error model of the device; by default that of a cheap one.
     effects
@@ -100,13 +101,15 @@ def walk(
         Full scale of the accelerometers [g], where heel strikes come near to it.
     outdoors
         Whether floors are not level between stairs and ramps.
+    heading_free
+        Whether the log may begin in motion; heading zero is then that of the foot at the first sample.
     """
     found = read(log)
     opened = None if model is None else open_model(model, effects)
     inputs = WalkInputs.of(found.recording)
     given = Reading(DEFAULT_MODEL) if opened is None else opened.at(rate_of(inputs.log))
     ground = WalkAssumptions() if outdoors else INDOORS
-    assumptions = replace(ground, gravity=gravity, full_scale=to_si(full_scale, "g"))
+    assumptions = replace(ground, gravity=gravity, full_scale=to_si(full_scale, "g"), heading_free=heading_free)
     errors = given.model if opened is None else given.model.require_axes(opened.path)
     inputs = replace(inputs, model=errors, assumptions=assumptions)
     try:
@@ -114,6 +117,7 @@ def walk(
     except ValueError as error:
         raise ValueError(f"{found.source}: {error}") from error
     files = (found.as_input("log"), *input_of(opened, given.remarks))
-    made = call("walk", [found.source], model=model, effects=effects, outdoors=outdoors)
+    made = call("walk", [found.source], model=model, effects=effects, outdoors=outdoors, heading_free=heading_free)
     settings = {"gravity [m/s²]": gravity, "floors": "any" if outdoors else "level but for stairs and ramps"}
+    settings["start"] = "stand" if navigated.smoothed.stand.still else "in motion"
     return Walked(found=navigated, provenance=Provenance(made, files, settings))

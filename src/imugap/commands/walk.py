@@ -17,8 +17,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_examples(parser, "imugap walk foot.csv --outdoors --out walk")
     parser.description = (
-        "Navigate a walk with the device on a foot. The log begins with a stand of 0.2 s or more. Lost samples are "
-        "filled, up to a tenth of a second."
+        "Navigate a walk with the device on a foot. The log begins with a stand of 0.2 s or more (or --heading-free). "
+        "Lost samples are filled, up to a tenth of a second."
     )
     parser.add_argument("log", help=f"{LOG_HELP}; six axes")
     parser.add_argument("--model", help=f"{MODEL_HELP} (default that of a cheap device)")
@@ -29,6 +29,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="full scale of the accelerometers [g], where heel strikes come near to it (default: none do)",
     )  # fmt: skip
     parser.add_argument("--outdoors", action="store_true", help="do not take floors for level but for stairs and ramps")
+    parser.add_argument(
+        "--heading-free", action="store_true",
+        help="accept a log that begins in motion; heading zero is that of the foot at the first sample",
+    )  # fmt: skip
     parser.add_argument("--out", required=True, help=FOLDER_HELP.format("solution, summary and figures"))
     add_format(parser)
     add_reading(parser)
@@ -40,6 +44,7 @@ def run(options: argparse.Namespace) -> None:
     found = walk(
         read(options.log, settings_of(options)), model=options.model, effects=options.effects,
         gravity=options.gravity, full_scale=options.full_scale, outdoors=options.outdoors,
+        heading_free=options.heading_free,
     )  # fmt: skip
     say(options.model, found.recognised("model"))
     found.made_by(options.command_line).report(folder, options.format)

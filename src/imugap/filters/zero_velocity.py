@@ -23,7 +23,7 @@ Source: I. Skog, P. Handel, J.-O. Nilsson, J. Rantakokko, Zero-velocity detectio
 Biomed. Eng. 57 (2010) 2657-2666.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -45,7 +45,7 @@ class Statistic(IntEnum):
 
 @dataclass(frozen=True)
 class Stand:
-    """Sensor statistics of the stand at the start of a walk.
+    """Sensor statistics of the stand at the start of a walk, or of a stance that takes its place.
 
     Attributes
     ----------
@@ -57,6 +57,10 @@ class Stand:
         Mean angular rate [rad/s], shape (3,).
     accel_std, gyro_std
         Standard deviation of the samples of an axis, root mean square over the axes [m/s^2], [rad/s].
+    first
+        Number of its first sample.
+    still
+        Whether the body stands. If not, the foot alone is at rest, and the biases are unknown: zero.
     """
 
     count: int
@@ -64,6 +68,24 @@ class Stand:
     bias: tuple[float, float, float]
     accel_std: float
     gyro_std: float
+    first: int = 0
+    still: bool = True
+
+    @classmethod
+    def of(cls, gyro: np.ndarray, accel: np.ndarray) -> "Stand":
+        """Return the statistics of the samples of a stand at the start, shape (n, 3) each."""
+        return cls(
+            count=len(gyro),
+            gravity=float(np.linalg.norm(accel.mean(axis=0))),
+            bias=tuple(gyro.mean(axis=0).tolist()),
+            accel_std=float(np.sqrt(accel.var(axis=0).mean())),
+            gyro_std=float(np.sqrt(gyro.var(axis=0).mean())),
+        )
+
+    @property
+    def rows(self) -> slice:
+        """Samples of the stand."""
+        return slice(self.first, self.first + self.count)
 
 
 @dataclass(frozen=True)
@@ -87,6 +109,8 @@ class Detector:
         [rad/s].
     stand_s, shortest_s
         Window for the stand at the start [s]; and its shortest length, which is tried where there is none so long [s].
+    stance_s
+        Window for the stance that takes the place of a stand [s].
     """
 
     statistic: Statistic = Statistic.GLRT
@@ -103,25 +127,42 @@ class Detector:
     still_gyro_std: float = 0.04
     stand_s: float = 0.5
     shortest_s: float = 0.2
+    stance_s: float = 0.1
 
     def stand(self, gyro: np.ndarray, accel: np.ndarray, interval: float) -> Stand:
         """Return the statistics of the stand at the start of samples, shape (n, 3) each; a ValueError without one."""
-        count = 0
-        for length in (self.stand_s, self.shortest_s):
-            first = max(2, round(length / interval))
-            count = count if count >= first else self._standing(gyro, accel, first)
-        if count < first:
+        count, least = self._stand_count(gyro, accel, interval)
+        if count < least:
             raise ValueError(
-                f"walk: expected a stand of {self.shortest_s:g} s or more at the start; found {count * interval:.2g} s"
+                f"walk: expected a stand of {self.shortest_s:g} s or more at the start (or --heading-free); found "
+                f"{count * interval:.2g} s"
             )
-        rest = slice(0, count)
-        return Stand(
-            count=count,
-            gravity=float(np.linalg.norm(accel[rest].mean(axis=0))),
-            bias=tuple(gyro[rest].mean(axis=0).tolist()),
-            accel_std=float(np.sqrt(accel[rest].var(axis=0).mean())),
-            gyro_std=float(np.sqrt(gyro[rest].var(axis=0).mean())),
-        )
+        return Stand.of(gyro[:count], accel[:count])
+
+    def stand_or_stance(self, gyro: np.ndarray, accel: np.ndarray, interval: float, gravity: float) -> Stand:
+        """Return the stand at the start, or where there is none the quietest stance within :attr:`slowest_s`.
+
+        Parameters
+        ----------
+        gravity
+            Local gravity [m/s^2].
+        """
+        count, least = self._stand_count(gyro, accel, interval)
+        if count >= least:
+            return Stand.of(gyro[:count], accel[:count])
+        reach, window = (max(2, round(length / interval)) for length in (self.slowest_s, self.stance_s))
+        begin = gyro[:reach], accel[:reach]
+        first = int(np.argmin(statistic(self.statistic, *begin, window, self.accel_std, self.gyro_std, gravity)))
+        found = Stand.of(*(one[first : first + window] for one in begin))
+        return replace(found, bias=(0.0, 0.0, 0.0), first=first, still=False)
+
+    def _stand_count(self, gyro: np.ndarray, accel: np.ndarray, interval: float) -> tuple[int, int]:
+        """Return the number of samples of the stand at the start, and the least that is needed."""
+        count = least = 0
+        for length in (self.stand_s, self.shortest_s):
+            least = max(2, round(length / interval))
+            count = count if count >= least else self._standing(gyro, accel, least)
+        return count, least
 
     def _standing(self, gyro: np.ndarray, accel: np.ndarray, first: int) -> int:
         """Return the number of samples of a stand at the start, by a window of ``first`` samples."""
@@ -143,7 +184,8 @@ class Detector:
         unbiased = gyro - np.array(stand.bias)
         still = self._still(unbiased, accel, max(2, round(self.still_s / interval)), stand.gravity)
         phase = rest.astype(np.int8) + (rest & still)
-        phase[: stand.count] = STILL
+        if stand.still:
+            phase[stand.rows] = STILL
         return phase
 
     def motion(self, gyro: np.ndarray, accel: np.ndarray, interval: float, stand: Stand) -> np.ndarray:

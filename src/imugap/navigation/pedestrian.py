@@ -14,7 +14,12 @@ is uncertain by a share of d: large at a heel strike, small in the swing. How la
 device; the velocities that the filter predicts for the begins of stances show it, by their likelihood. A sensor clips
 ahead of its filter, so a sample above a share of the full scale (:data:`CLIPPING_SHARE`) may have clipped within: it is
 uncertain by a share of its magnitude (:data:`CLIPPED_SHARE`), a strike in every direction, a rate about its axis. A
-runner's foot turns faster than many gyroscopes measure.
+runner's foot turns faster than many gyroscopes measure; the samples show their full scale
+(:mod:`imugap.integrity.clipping`).
+
+A walk that begins in motion has no stand to be levelled on (:attr:`WalkAssumptions.heading_free`). It is levelled on
+the quietest stance of its first seconds, as exactly as the motion of a foot at stance allows, and the gyroscopes carry
+the level back to the first sample. There the velocity is unknown until the first stance shows it.
 
 Where the body stands, the gyroscope noise enters both the attitude and the measurement of the rate. The filter takes
 the two as independent, and is slightly pessimistic about the attitude after a stand.
@@ -32,11 +37,14 @@ Fixed interval smoothing with discrete measurements, Int. J. Control 18 (1973) 6
 """
 
 from dataclasses import dataclass, field, replace
+from functools import reduce
+from operator import mul
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from numba import njit
+from scipy.spatial.transform import Rotation
 
 from imugap.filters.alignment import level_sensitivity
 from imugap.filters.error_state import ATTITUDE, NAVIGATION, VELOCITY, predict, transposed_transition
@@ -54,10 +62,11 @@ from imugap.filters.smoother import (
     write_epoch,
 )
 from imugap.filters.zero_velocity import MOVING, STILL, Detector, Stand
+from imugap.integrity.clipping import full_scale
 from imugap.kinematics.strapdown import POSITION, increments, level, local_step
-from imugap.log import AXES, LogError, axes, interval
+from imugap.log import AXES, GYRO, LogError, axes, interval
 from imugap.model import ErrorModel
-from imugap.numerics.rotation import cross, from_euler, kernel, mat_from_quat, rotate
+from imugap.numerics.rotation import cross, from_euler, kernel, mat_from_quat, rotate, to_euler
 from imugap.units import STANDARD_GRAVITY
 
 LEVER_ARM = ("arm_x", "arm_y", "arm_z")
@@ -88,6 +97,8 @@ STEP_STD_M = 1.0
 """Standard deviation of an unknown height difference [m]."""
 MEASUREMENTS = 10
 """Number of measurements of a sample: velocity, angular rate, position, height over the floor."""
+START_M_PER_S = 3.0
+"""Standard deviation of the velocity at the start of a walk that begins in motion, each axis: that of a swing [m/s]."""
 SHORTEST_SWING_S = 0.2
 """Shortest swing of a foot; a shorter motion is part of a stance [s]."""
 SHORTEST_STRIDE_M = 0.1
@@ -114,7 +125,8 @@ class WalkAssumptions:
         Uncertainty of the interval mean, as a share of the change from sample to sample. Where that of the
         accelerometers is None, it is the most likely of :data:`SHOCK_SHARES`.
     full_scale, rate_full_scale
-        Full scale of the accelerometers [m/s^2] and of the gyroscopes [rad/s]; inf if unknown.
+        Full scale of the accelerometers [m/s^2], inf if unknown, and of the gyroscopes [rad/s], None for that which the
+        samples show (:mod:`imugap.integrity.clipping`).
     tilt_std
         Standard deviation of roll and pitch after levelling on a stand of :attr:`imugap.filters.zero_velocity.Detector`
         or longer, without the accelerometer errors [rad]; larger in proportion on a shorter one.
@@ -124,6 +136,9 @@ class WalkAssumptions:
         Standard deviation of the scale factors of gyroscopes and accelerometers; 0: not a state.
     gravity
         Local gravity [m/s^2].
+    heading_free
+        Whether a walk may begin in motion. Without a stand it is levelled on a stance of its first seconds, and the
+        velocity at its start is unknown. Heading zero is that of the foot at the first sample, wherever it points.
     """
 
     detector: Detector = field(default_factory=Detector)
@@ -136,11 +151,12 @@ class WalkAssumptions:
     blind_gyro: float = 0.1
     blind_accel: float | None = None
     full_scale: float = np.inf
-    rate_full_scale: float = np.inf
+    rate_full_scale: float | None = None
     tilt_std: float = 0.005
     floor_std: float = 0.0
     scale_std: tuple[float, float] = (0.0, 0.0)
     gravity: float = STANDARD_GRAVITY
+    heading_free: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -463,16 +479,38 @@ class AlignedWalk:
     def initial(self) -> tuple[History, _State]:
         """Return the history with its first row, and the initial state."""
         samples = self.inputs.samples
-        length = self.stand.count * float(np.median(np.diff(self.time.to_numpy())))
-        shorter = max(self.assumptions.detector.stand_s / length, 1.0)
-        own = replace(self.assumptions, tilt_std=self.assumptions.tilt_std * shorter)
-        state = _initial_state(samples[: self.stand.count, 3:], self.states, own)
+        begin = self._standing() if self.stand.still else self._moving()
+        state = _initial_state(samples[self.stand.rows, 3:].mean(axis=0), self.states, self.assumptions, begin)
         if self.aiding is not None:
             state.covariance[range(3), range(3)] = self.aiding.origin_std**2
             state.covariance[ATTITUDE + 2, ATTITUDE + 2] = self.aiding.heading_std**2
         history = History.empty(len(samples), len(state.covariance))
         history.begin(state.navigation, state.errors, state.covariance)
         return history, state
+
+    def _standing(self) -> "_Start":
+        """Return the start on a stand."""
+        length = self.stand.count * float(np.median(self.inputs.dt))
+        shorter = max(self.assumptions.detector.stand_s / length, 1.0)
+        return _Start(Rotation.identity(), self.assumptions.velocity_std, self.assumptions.tilt_std * shorter)
+
+    def _moving(self) -> "_Start":
+        """Return the start in motion, carried back by the gyroscopes from the stance that is levelled."""
+        before = slice(self.stand.first)
+        rates = self.inputs.samples[before, :3] - self.states.fixed[:3]
+        steps = Rotation.from_rotvec(rates * self.inputs.dt[before, None])
+        gyro = self.states.axis < len(GYRO)
+        drift = np.sqrt(self.states.variance[gyro].max(initial=0.0)) * self.inputs.dt[before].sum()
+        tilt = self.assumptions.detector.accel_std / self.assumptions.gravity
+        return _Start(reduce(mul, steps, Rotation.identity()), START_M_PER_S, float(np.hypot(tilt, drift)))
+
+
+class _Start(NamedTuple):
+    """Turn from the first sample to the stand, and standard deviations of velocity [m/s] and level [rad] there."""
+
+    turn: Rotation
+    velocity_std: float
+    tilt_std: float
 
 
 def align(
@@ -493,7 +531,7 @@ def align(
         shares = (replace(assumptions, blind_accel=share) for share in SHOCK_SHARES)
         return max((align(log, model, one, velocity, aiding) for one in shares), key=_likelihood)
     samples, step = _samples(log), interval(log)
-    stand = assumptions.detector.stand(samples[:, :3], samples[:, 3:], step)
+    stand = _stand(samples, step, assumptions)
     steps = np.diff(log.index.to_numpy())
     dt = np.concatenate([steps[:1], steps])
     states = SensorStates.of(model, assumptions.scale_std)
@@ -541,6 +579,14 @@ def solve(aligned: AlignedWalk, smooth: bool = False) -> WalkSolution:
     return WalkSolution(aligned.time, aligned.names, history, aligned.phase, state.covariance, aligned.stand)
 
 
+def _stand(samples: np.ndarray, step: float, assumptions: WalkAssumptions) -> Stand:
+    """Return the stand at the start, or the stance that takes its place."""
+    gyro, accel = samples[:, :3], samples[:, 3:]
+    if assumptions.heading_free:
+        return assumptions.detector.stand_or_stance(gyro, accel, step, assumptions.gravity)
+    return assumptions.detector.stand(gyro, accel, step)
+
+
 def _samples(log: pd.DataFrame) -> np.ndarray:
     """Return the samples, shape (n, 6)."""
     return np.ascontiguousarray(log[list(AXES)].to_numpy(dtype=float))
@@ -567,9 +613,11 @@ def _interval_variance(samples: np.ndarray, assumptions: WalkAssumptions) -> np.
     """Return the variance of the interval means by changes between samples and by clipping, shape (n, 6)."""
     blind = np.repeat([assumptions.blind_gyro, assumptions.blind_accel], 3)
     variance = (blind * np.diff(samples, axis=0, prepend=samples[:1])) ** 2
+    rate_full_scale = assumptions.rate_full_scale
+    rate_full_scale = full_scale(samples[:, :3]) if rate_full_scale is None else rate_full_scale
     rate, largest = np.abs(samples[:, :3]), np.abs(samples[:, 3:]).max(axis=1, keepdims=True)
     for part, size, full in (
-        (slice(3), rate, assumptions.rate_full_scale),
+        (slice(3), rate, rate_full_scale),
         (slice(3, 6), largest, assumptions.full_scale),
     ):
         variance[:, part] += np.where(size > CLIPPING_SHARE * full, CLIPPED_SHARE * size, 0.0) ** 2
@@ -587,18 +635,21 @@ def _constants(assumptions: WalkAssumptions) -> _Constants:
     return _Constants(rate_psd, assumptions.gravity, assumptions.floor_std**2)
 
 
-def _initial_state(accel: np.ndarray, states: SensorStates, assumptions: WalkAssumptions) -> _State:
-    """Return the initial state: at rest, levelled by the mean specific force of the stand."""
-    force = accel.mean(axis=0) - states.fixed[3:]
-    rotation = from_euler((*level(force), 0.0))
-    tilted = level_sensitivity(force, rotation.as_matrix(), states, assumptions.gravity)
+def _initial_state(force: np.ndarray, states: SensorStates, assumptions: WalkAssumptions, begin: _Start) -> _State:
+    """Return the state at the first sample, levelled by the mean specific force of the stand, with heading zero."""
+    force = force - states.fixed[3:]
+    stood = from_euler((*level(force), 0.0))
+    first = stood * begin.turn.inv()
+    north = from_euler((0.0, 0.0, -float(to_euler(first)[2])))
+    tilted = level_sensitivity(force, (north * stood).as_matrix(), states, assumptions.gravity)
     arms = [assumptions.arm_std**2] * len(LEVER_ARM) if assumptions.arm_std > 0 else []
     floor = [assumptions.floor_std**2] if assumptions.floor_std > 0 else []
     covariance = np.diag([0.0] * NAVIGATION + [*states.variance, *arms, *floor])
-    covariance[range(VELOCITY, ATTITUDE), range(VELOCITY, ATTITUDE)] = assumptions.velocity_std**2
+    covariance[range(VELOCITY, ATTITUDE), range(VELOCITY, ATTITUDE)] = begin.velocity_std**2
     sensors, level_rows = slice(NAVIGATION, NAVIGATION + len(states)), slice(ATTITUDE, ATTITUDE + 2)
     covariance[level_rows, sensors] = tilted * states.variance
     covariance[sensors, level_rows] = covariance[level_rows, sensors].T
-    covariance[level_rows, level_rows] = tilted * states.variance @ tilted.T + assumptions.tilt_std**2 * np.eye(2)
+    covariance[level_rows, level_rows] = tilted * states.variance @ tilted.T + begin.tilt_std**2 * np.eye(2)
     errors = np.zeros(len(covariance) - NAVIGATION)
-    return _State(np.concatenate([np.zeros(6), rotation.as_quat()]), errors, covariance, np.full(1, np.inf))
+    start = np.concatenate([np.zeros(6), (north * first).as_quat()])
+    return _State(start, errors, covariance, np.full(1, np.inf))

@@ -19,8 +19,8 @@ from imugap.navigation.pedestrian import WalkAssumptions
 
 DEAD_SHARE = 1e-6
 """Largest spread of a dead axis, as a share of the largest of its triad."""
-GRAVITY_SHARE = 0.05
-"""Largest difference of the specific force at the stand from gravity, as a share of it."""
+GRAVITY_SHARE, STANCE_GRAVITY_SHARE = 0.05, 0.1
+"""Largest difference of the specific force from gravity, as a share of it: at a stand, and at the stance of a foot."""
 LARGEST_M_PER_S, MENDED_SHARE = 0.6, 0.5
 """Root mean square velocity at the begin of stances from which on the motion does not fit, and the largest share of it
 that is left where a suspect is named."""
@@ -76,9 +76,10 @@ def _check_axes(log: pd.DataFrame) -> None:
 def _check_gravity(log: pd.DataFrame, assumptions: WalkAssumptions) -> None:
     """Raise a ValueError where the specific force at the stand is not gravity."""
     stand = pedestrian.align(log, ErrorModel({}), assumptions).stand
-    if abs(stand.gravity / assumptions.gravity - 1) > GRAVITY_SHARE:
+    share, where = (GRAVITY_SHARE, "stand") if stand.still else (STANCE_GRAVITY_SHARE, "quietest stance")
+    if abs(stand.gravity / assumptions.gravity - 1) > share:
         raise ValueError(
-            f"walk: expected a specific force at the stand near {assumptions.gravity:.4g} m/s^2 (--gravity); found "
+            f"walk: expected a specific force at the {where} near {assumptions.gravity:.4g} m/s^2 (--gravity); found "
             f"{stand.gravity:.3g} m/s^2"
         )
 
