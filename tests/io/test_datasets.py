@@ -73,6 +73,8 @@ def test_the_catalogue_of_the_study_is_valid(sets):
     assert sets["gaitmap_2x20m"].file(2, "positions").name == "mocap_sample.csv"
     assert sets["gaitmap_2x20m"].file(2).name == "imu_sample.csv"
     assert sets["pyshoe_vicon"].runs == tuple(range(1, 11))
+    assert sets["pyshoe_vicon_rest"].runs == tuple(range(11, 57))
+    assert sets["pyshoe_vicon_rest"].file(11).place("raw").parent == sets["pyshoe_vicon"].file(1).place("raw").parent
     with pytest.raises(CatalogueError, match="among none: no file holds positions"):
         sets["pyshoe_vicon"].file(1, "positions")
     assert sets["xsens_dot"].columns == ()

@@ -54,6 +54,9 @@ TRIALS = config["attitude"]["trials"] if "broad" in PRESENT else []
 LOGS = RUNS | {"memsense_turnon": POWER_CYCLES, "broad": TRIALS}
 LOGS = {device: runs for device, runs in LOGS.items() if runs}
 WALKS = [name for name in PRESENT if CATALOGUE[name].kind == "walk"]
+# The trials of the published protocol: a set of walks and the one that continues it.
+PROTOCOL = ["pyshoe_vicon", "pyshoe_vicon_rest"]
+PROTOCOL = PROTOCOL if set(PROTOCOL) <= set(PRESENT) else []
 SITES = config["sites"] | {"bench": yaml.safe_load(Path("data/bench.yaml").read_text())["site"]}
 OMITTED = [name for name in CATALOGUE if name not in PRESENT]
 NOTEBOOK_OF = {

@@ -11,6 +11,7 @@ rule study_numbers:
         runs={device: RUNS[device] for device in DEVICES},
         power_cycles=POWER_CYCLES,
         walks=WALKS,
+        protocol=PROTOCOL,
         missing_of=MISSING_OF,
         unseen_of=UNSEEN_OF,
         sighted=SIGHTED,

@@ -116,6 +116,41 @@ rule walk_real_page:
         "../scripts/walk_real_page.py"
 
 
+rule walk_protocol:
+    """Navigate the trials of PyShoe with several settings, and score them by the published protocol."""
+    input:
+        **{name: [str(locate(file, RAW, MIRROR)) for file in CATALOGUE[name].files] for name in PROTOCOL},
+        tables=["data/datasets.csv", "data/files.csv"],
+    output:
+        scores="results/walk/protocol.csv",
+    log:
+        "logs/walk_protocol.log",
+    params:
+        sets=PROTOCOL,
+        trials=config["walks"]["protocol_trials"],
+        factors=[0.5, 2],
+        code=library("walk_protocol"),
+    script:
+        "../scripts/walk_protocol.py"
+
+
+rule walk_protocol_page:
+    """Tabulate the trials of PyShoe by the published protocol, beside the published figures."""
+    input:
+        scores="results/walk/protocol.csv",
+        published="data/published/pyshoe_protocol.csv",
+    output:
+        table=table("walk_protocol", "Walks", "the published protocol (table)"),
+        numbers="paper/numbers/walk_protocol.json",
+    log:
+        "logs/walk_protocol_page.log",
+    params:
+        seed=config["seed"],
+        code=library("walk_protocol_page"),
+    script:
+        "../scripts/walk_protocol_page.py"
+
+
 rule walk_budget:
     """Navigate the twins of the walks of a set, or the embedded walks, without one error of the device at a time."""
     input:
@@ -274,4 +309,5 @@ rule walk_missing_page:
 
 PAPER["pedestrian"] += [*rules.walk_hidden_page.output, *rules.compensation_page.output]
 PAPER["pedestrian"] += rules.walk_limits_page.output
+PAPER["pedestrian"] += rules.walk_protocol_page.output if PROTOCOL else []
 PAPER["pedestrian"] += [*rules.walk_real_page.output, *rules.walk_missing_page.output] if WALKS else []

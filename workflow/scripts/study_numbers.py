@@ -31,6 +31,7 @@ with job(snakemake) as (_, params, output):
         "recordings": params.recordings,
         "power_cycles": len(params.power_cycles),
         "walks": params.walks,
+        "protocol": params.protocol,
         "omitted": [omission(sets[name]) for name in params.omitted],
         "contenders": [TITLES[name] for name in CONTENDERS],
         "config": params.config,

@@ -5,39 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from imugap.analysis.walk import DEFAULT_MODEL
-from imugap.effects import WhiteNoise
-from imugap.effects.effect import AxisModel
 from imugap.filters.zero_velocity import Statistic
 from imugap.integrity.timestamps import filled
 from imugap.io import datasets as catalogue
 from imugap.io import readers
 from imugap.io.datasets import RawFiles
 from imugap.log import ACCEL
-from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import WalkAssumptions, navigate
 from imugap.simulation.camera_track import compare_with_cameras
+from imugap.study.walk_settings import WalkSetting, noise, threshold, velocity
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 
 USUAL_CHOICE = WalkAssumptions()
 DETECTOR = USUAL_CHOICE.detector
-
-
-def scaled(factor):
-    """Return the assumptions with a threshold so many times the usual one."""
-    limits = {name: factor * getattr(DETECTOR, name) for name in ("multiple", "lowest", "highest")}
-    return replace(USUAL_CHOICE, detector=replace(DETECTOR, **limits))
-
-
-def shaken(factor):
-    """Return the usual model with accelerometers so many times as noisy."""
-
-    def louder(effect):
-        return replace(effect, density=factor * effect.density) if isinstance(effect, WhiteNoise) else effect
-
-    noisy = {axis: AxisModel(tuple(louder(effect) for effect in DEFAULT_MODEL[axis])) for axis in ACCEL}
-    return ErrorModel(dict(DEFAULT_MODEL.axes) | noisy)
 
 
 def delayed(log, delay):
@@ -55,18 +36,17 @@ def ends(solution, seen):
 
 
 def choices(params):
-    """Yield what is varied, its value, assumptions, model, and the delay of the accelerometers [s]."""
+    """Yield the settings, and the delay of the accelerometers with each [s]."""
     for factor in params.factors:
-        yield "threshold", factor, scaled(factor), DEFAULT_MODEL, 0.0
+        yield threshold(USUAL_CHOICE, factor), 0.0
     for statistic in Statistic:
         other = replace(USUAL_CHOICE, detector=replace(DETECTOR, statistic=statistic))
-        yield "detector", statistic, other, DEFAULT_MODEL, 0.0
+        yield WalkSetting("detector", statistic, other), 0.0
     for factor in params.doubts:
-        slower = replace(USUAL_CHOICE, velocity_std=factor * USUAL_CHOICE.velocity_std)
-        yield "velocity", factor, slower, DEFAULT_MODEL, 0.0
-        yield "noise", factor, USUAL_CHOICE, shaken(factor), 0.0
+        yield velocity(USUAL_CHOICE, factor), 0.0
+        yield noise(USUAL_CHOICE, factor), 0.0
     for delay in params.delays_ms:
-        yield "delay", delay, USUAL_CHOICE, DEFAULT_MODEL, 1e-3 * delay
+        yield WalkSetting("delay", delay, USUAL_CHOICE), 1e-3 * delay
 
 
 def main(files, params):
@@ -76,10 +56,10 @@ def main(files, params):
         log, seen = filled(readers.read_raw(files.path(run), dataset, run)), None
         if dataset.positions:
             seen = readers.positions_of(files, run)
-        for varied, value, assumptions, model, delay in choices(params):
-            solution = navigate(delayed(log, delay) if delay else log, model, assumptions)
+        for one, delay in choices(params):
+            solution = navigate(delayed(log, delay) if delay else log, one.model, one.assumptions)
             end, height = ends(solution, seen)
-            row = {"dataset": dataset.name, "run": run, "varied": varied, "value": float(value), "end": end}
+            row = {"dataset": dataset.name, "run": run, "varied": one.varied, "value": float(one.factor), "end": end}
             row |= {"height": height, "nis": np.nansum(solution.nis)}
             rows.append(row | {"distance": solution.strides()["length"].sum()})
     return pd.DataFrame(rows)

@@ -1,8 +1,9 @@
 """Catalogue of data sets: their raw files, sources and checksums, and their download.
 
 The catalogue is two tables, ``datasets.csv`` and ``files.csv``; every row is validated against its JSON schema. Raw
-files are stored in ``<folder>/<dataset>/<file>``. They are copied from a mirror of the same layout or downloaded,
-verified by their SHA-256 checksum, and get their name only when complete.
+files are stored in ``<folder>/<dataset>/<file>``, those of a data set that continues another one beside its files. They
+are copied from a mirror of the same layout or downloaded, verified by their SHA-256 checksum, and get their name only
+when complete.
 """
 
 import csv
@@ -45,9 +46,9 @@ LOG, POSITIONS, POSES, EVENTS, FIXES, CLOCK = "log", "positions", "poses", "even
 
 @dataclass(frozen=True)
 class RawFile:
-    """Raw file with ``content`` of ``runs``, in the order of the file."""
+    """Raw file with ``content`` of ``runs``, in the order of the file; ``folder`` is that of its data set."""
 
-    dataset: str
+    folder: str
     name: str
     runs: tuple[int, ...]
     size_bytes: int
@@ -57,7 +58,7 @@ class RawFile:
 
     def place(self, folder: str | Path) -> Path:
         """Return the path of the file in ``folder`` (``data/raw`` or a mirror)."""
-        return Path(folder) / self.dataset / self.name
+        return Path(folder) / self.folder / self.name
 
 
 @dataclass(frozen=True)
@@ -88,6 +89,8 @@ class DataSet:
     position_rate_hz: float | None = None
     full_scale: float = inf
     """Full scale of the accelerometers [m/s^2]; infinite where no sample is near it."""
+    continues: str | None = None
+    """Data set beside whose files these are stored."""
 
     @property
     def runs(self) -> tuple[int, ...]:
@@ -155,7 +158,8 @@ def load(tables: str | Path, schemas: str | Path) -> dict[str, DataSet]:
             raise CatalogueError(
                 f"{place}, column dataset: expected one of {', '.join(sets)}; found {row['dataset']!r}"
             )
-        owner, file = sets[row["dataset"]], _raw_file(row)
+        owner = sets[row["dataset"]]
+        file = _raw_file(row, owner.continues or owner.name)
         if not file.runs or set(file.runs) & set(owner.runs_with(file.content)):
             raise CatalogueError(f"{place}, column run: expected increasing, still free runs; found {row['run']!r}")
         sets[owner.name] = replace(owner, files=(*owner.files, file))
@@ -333,10 +337,10 @@ def _typed(text: str, schema: dict) -> str | int | float:
         return text  # the validator says what was expected
 
 
-def _raw_file(row: dict) -> RawFile:
+def _raw_file(row: dict, folder: str) -> RawFile:
     first, _, last = row["run"].partition("-")
     runs = tuple(range(int(first), int(last or first) + 1))
-    return RawFile(row["dataset"], row["file"], runs, row["bytes"], row["sha256"], row["url"], row.get("content", LOG))
+    return RawFile(folder, row["file"], runs, row["bytes"], row["sha256"], row["url"], row.get("content", LOG))
 
 
 def _data_set(row: dict) -> DataSet:
@@ -359,4 +363,5 @@ def _data_set(row: dict) -> DataSet:
         position_unit=row.get("position_unit"),
         position_rate_hz=row.get("position_rate_hz"),
         full_scale=to_si(row.get("accel_full_scale_g", inf), "g"),
+        continues=row.get("continues"),
     )
