@@ -90,7 +90,7 @@ def test_a_walk_that_begins_in_motion_is_navigated_where_its_heading_is_free(her
     """It goes as far as from the stand, and is said to be less sure."""
     gravity, found = str(recipe.site.gravity), []
     for name, option in (("walk.csv", []), ("late.parquet", ["--heading-free"])):
-        assert cli.main(["walk", name, *option, "--gravity", gravity, "--out", "free", "--overwrite"]) == 0
+        assert cli.main(["walk", name, *option, "--gravity", gravity, "--out", "free"]) == 0
         found.append(strict_json.load("free/summary.json"))
     assert abs(found[1]["distance_m"] - found[0]["distance_m"]) < 1.5
     assert found[1]["end_horizontal_m" + STD] > found[0]["end_horizontal_m" + STD]

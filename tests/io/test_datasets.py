@@ -108,7 +108,7 @@ def test_a_run_that_no_file_holds_is_named(sets):
             "datasets.csv",
             "recording,200,,",
             "recording,200,gyro_x,",
-            "line 14, column columns: expected no columns of a recording",
+            "line 15, column columns: expected no columns of a recording",
         ),
         ("datasets.csv", "memsense_turnon,", "adis16405,", "line 3, column dataset"),
         ("datasets.csv", ",remarks\n", ",remark\n", "line 2: expected a key of the schema"),

@@ -254,10 +254,7 @@ def test_gyroscopes_that_are_clipped_are_found_and_doubted(walk):
 @pytest.mark.slow
 @pytest.mark.parametrize("begin_s", [4.6, 5.2], ids=["in a swing", "at a stance"])
 def test_a_walk_that_begins_in_motion_errs_as_much_as_it_says(walk, matched, begin_s):
-    """In the frame of the foot at the first sample: NEES of the end over devices; the velocity at the start is found.
-
-    The level of the stance is exact in the simulation, and stated as that of a foot: the velocity errs by less.
-    """
+    """In the frame of the foot at the first sample: NEES of the end over devices, and the velocity at the start."""
     truth, free = walk.truth(0, SEED).loc[begin_s:], replace(matched, heading_free=True)
     frame = from_euler((0.0, 0.0, float(truth["heading"].iloc[0]))).inv()
     ends = truth[list(POSITION)].to_numpy(float)
@@ -270,9 +267,7 @@ def test_a_walk_that_begins_in_motion_errs_as_much_as_it_says(walk, matched, beg
         one = navigate(late, walk.model, free, smooth=True, velocity=turned)
         off = (one.trajectory[list(POSITION)].to_numpy()[-1] - end)[:2]
         squares.append(off @ np.linalg.solve(one.horizontal[-1], off))
-        first, std = (table[list(VELOCITY)].to_numpy()[1] for table in (one.trajectory, one.trajectory_std))
-        assert (np.abs(first - start) < 3 * std).all()
-        assert std.max() < 0.3
+        assert np.abs(one.trajectory[list(VELOCITY)].to_numpy()[1] - start).max() < 0.1
     low, high = nees_band(2, 20, 0.99)
     assert low < np.mean(squares) < high
 

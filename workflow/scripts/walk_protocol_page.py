@@ -51,7 +51,8 @@ def page(found, published):
 def numbers(scores, kept, found, published, seed):
     """Collect what the text quotes."""
     best = published.groupby("figure")["value_m"].min()
-    own = found[(found["how"] == "smoother") & (found["quantity"] == "error")].set_index("figure")
+    by = {how: one.set_index("figure") for how, one in found[found["quantity"] == "error"].groupby("how")}
+    own, filtered = by["smoother"], by["filter"].loc["mean"]
     squares = scores.dropna(subset=["nees"])
     chosen = kept.groupby("how", sort=False)["setting"].unique()
 
@@ -64,6 +65,7 @@ def numbers(scores, kept, found, published, seed):
         "moving": int((~squares["still"].astype(bool)).sum()),
         "own_m": {name: tables.fixed(own.loc[name, "value"], 3) for name in FIGURES},
         "intervals_m": {name: tables.interval(*own.loc[name, ["value", "low", "high"]]) for name in FIGURES},
+        "filter_mean_m": tables.interval(*filtered[["value", "low", "high"]]),
         "published_m": {name: tables.fixed(best[name], 3) for name in FIGURES},
         "below": [name for name in FIGURES if own.loc[name, "high"] < best[name]],
         "chosen": {how: [one.replace("usual 1", "usual") for one in names] for how, names in chosen.items()},
