@@ -20,7 +20,7 @@ from imugap.effects.effect import Effect
 
 
 @dataclass(frozen=True)
-class Comparison:
+class HeldOutGains:
     """Gains of log-density on unseen samples over the model without the effect: of the name, and of a wrong one."""
 
     axis: str
@@ -39,7 +39,7 @@ class Comparison:
         return asdict(self) | {"share": self.share}
 
 
-def within_log(found: Discovery) -> Iterator[Comparison]:
+def within_log(found: Discovery) -> Iterator[HeldOutGains]:
     """Yield the comparison of every finding with rivals, on the last part of the log on which it was found."""
     for one in _with_rivals(found):
         sequence = found.record.sequences[one.axes[0]]
@@ -47,7 +47,7 @@ def within_log(found: Discovery) -> Iterator[Comparison]:
         yield _compared(one, part(sequence, 0, split), part(sequence, split, len(sequence.values)))
 
 
-def on_another_run(found: Discovery, run: dict[str, AxisSequence]) -> Iterator[Comparison]:
+def on_another_run(found: Discovery, run: dict[str, AxisSequence]) -> Iterator[HeldOutGains]:
     """Yield the comparison of every finding with rivals, on another run of the device, by axis."""
     for one in _with_rivals(found):
         axis = one.axes[0]
@@ -59,7 +59,7 @@ def _with_rivals(found: Discovery) -> Iterator[Finding]:
     return (one for one in found.findings if one.rivals and one.beside)
 
 
-def _compared(one: Finding, seen: AxisSequence, unseen: AxisSequence) -> Comparison:
+def _compared(one: Finding, seen: AxisSequence, unseen: AxisSequence) -> HeldOutGains:
     """Fit the models with the name, with its best rival and with neither to seen samples, and score unseen ones."""
     rival = max(one.rivals, key=lambda other: other.log_bayes_factor)
     (axis, effect), *_ = one.effects.items()
@@ -70,4 +70,4 @@ def _compared(one: Finding, seen: AxisSequence, unseen: AxisSequence) -> Compari
             return log_score(unseen, fit(seen, described(effects, seen)).description)
 
     least = score(without)
-    return Comparison(axis, one.name, rival.name, score(one.beside) - least, score(rival.effects) - least)
+    return HeldOutGains(axis, one.name, rival.name, score(one.beside) - least, score(rival.effects) - least)

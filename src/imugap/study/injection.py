@@ -51,7 +51,7 @@ class Untouched:
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class Injection:
     """Injected effects, and what discovery found of them."""
 
     base: Untouched
@@ -81,14 +81,14 @@ def untouched(run: str, axis: str, log: pd.DataFrame, settings: Settings) -> Unt
     return Untouched(run, axis, own, discover([own], _of_one_axis(settings)))
 
 
-def inject(base: Untouched, kinds: Sequence[str], size: float, settings: Settings) -> Trial:
+def inject(base: Untouched, kinds: Sequence[str], size: float, settings: Settings) -> Injection:
     """Add effects of a size [detection limits] to a log, and discover on it from the model without them."""
     conditions = base.fit.sequence.conditions
     effects = tuple(_of_size(kind, size, base, settings.seed) for kind in kinds)
     added = sum(effect.sample(_whole(conditions, base.log), None) for effect in effects)
     log = base.log.assign(**{base.axis: base.log[base.axis] + added})
     found = discover([log], replace(_of_one_axis(settings), start=base.model))
-    return Trial(base, size, effects, found.findings)
+    return Injection(base, size, effects, found.findings)
 
 
 def _of_one_axis(settings: Settings) -> Settings:
