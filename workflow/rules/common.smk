@@ -64,6 +64,7 @@ NOTEBOOK_OF = {
     "estimation": "estimation",
     "discovery": "discovery",
     "walk": "pedestrian",
+    "drive": "drive",
 }
 CHAPTERS = ["study", *config["chapters"]]
 NOTEBOOKS = [name for name, chapter in NOTEBOOK_OF.items() if chapter in CHAPTERS]
@@ -146,7 +147,7 @@ wildcard_constraints:
     contender="|".join(CONTENDERS),
 
 
-os.environ.setdefault("NUMBA_CACHE_DIR", f".snakemake/numba/{digest()}")
+os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(".snakemake/numba", digest()).absolute()))
 
 
 def library(script):
@@ -300,12 +301,6 @@ def baseline_scores(wildcards):
     folder = "data/baselines_recorded" if recorded else "results/baselines"
     record = {"record": f"{folder}/record.yaml"} if recorded else {}
     return {name: f"{folder}/{name}.csv" for name in ("summary", "answers")} | record
-
-
-def results_read(wildcards):
-    """Name the paper, the last of the results, for a notebook that reads results: it says how to get them."""
-    text = Path(f"notebooks/{wildcards.name}.ipynb").read_text()
-    return ["paper/paper.pdf"] if "run snakemake --cores all first" in text else []
 
 
 def dossier_of_log(wildcards):

@@ -47,10 +47,10 @@ rule paper:
 
 
 rule notebook:
-    """Execute a notebook, which reads results and explains them, or shows what the library does."""
+    """Execute a notebook, which needs the library and the recipes alone."""
     input:
-        results_read,
         notebook="notebooks/{name}.ipynb",
+        recipes=multiext("data/", "bench.yaml", "walk.yaml", "drive.yaml"),
     output:
         "results/notebooks/{name}.ipynb",
         page=report(

@@ -1,4 +1,4 @@
-"""Execute a notebook at the top of the project and keep it with its outputs, and as HTML."""
+"""Execute a notebook in its folder, as Jupyter does, and keep it with its outputs, and as HTML."""
 
 from pathlib import Path
 
@@ -10,7 +10,8 @@ from imugap.workflow.job_log import job
 
 with job(snakemake) as (source, _, output):
     notebook = nbformat.read(source.notebook, as_version=4)
-    NotebookClient(notebook, startup_timeout=600, resources={"metadata": {"path": "."}}).execute()
+    folder = Path(source.notebook).parent
+    NotebookClient(notebook, startup_timeout=600, resources={"metadata": {"path": folder}}).execute()
     page, _ = HTMLExporter().from_notebook_node(notebook)
     nbformat.write(notebook, output[0])
     Path(output.page).write_text(page)
