@@ -8,6 +8,7 @@ import yaml
 from imu_benchmark import scores as blind
 from imugap.figures import blind as drawn
 from imugap.figures.style import AXIS_TITLES
+from imugap.figures.views import title
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
@@ -109,7 +110,7 @@ def calibration_page(calibration):
     shown = calibration.assign(shown=[rate(one) for one in calibration.itertuples(index=False)])
     page = shown.pivot(index=["view", "count"], columns="level", values="shown")
     page.columns = [f"p ≤ {level:g}" for level in page.columns]
-    return page.rename(lambda view: drawn.TITLES.get(view, view), level="view").reset_index()
+    return page.rename(title, level="view").reset_index()
 
 
 def beside_page(beside):

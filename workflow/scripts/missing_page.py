@@ -8,9 +8,9 @@ import pandas as pd
 
 from imugap.discovery.finding import Discrepancy
 from imugap.discovery.report import describe_range
-from imugap.figures import discovery
 from imugap.figures.static import TITLES
 from imugap.figures.style import AXIS_TITLES
+from imugap.figures.views import title
 from imugap.study import verdicts
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
@@ -33,7 +33,7 @@ def axes_of(names):
 
 def view_title(place):
     """Give the view of a place as a page shows it."""
-    return discovery.TITLES.get(place["view"], place["view"])
+    return title(place["view"])
 
 
 def effects(reports):

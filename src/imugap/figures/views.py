@@ -47,3 +47,8 @@ VIEWS: Mapping[str, View] = {
     "force_product": View("mean over force products", "force products", "vibration that is rectified"),
 }
 """Views by name, in the order in which pages list them."""
+
+
+def title(view: str) -> str:
+    """Return the title of a view; its name where it has none."""
+    return VIEWS[view].title if view in VIEWS else view

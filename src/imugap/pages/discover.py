@@ -15,7 +15,7 @@ from imugap.effects.effect import AxisModel, Effect, Role
 from imugap.figures import discovery as figures
 from imugap.figures.log import quantities
 from imugap.figures.style import AXIS_TITLES
-from imugap.figures.views import VIEWS
+from imugap.figures.views import VIEWS, title
 from imugap.interchange.conventions import Rule
 from imugap.interchange.export import export
 from imugap.model import ErrorModel
@@ -226,7 +226,7 @@ def _grouped(result: FileDiscovery) -> Iterable[tuple[str, ...]]:
             [one for one in some if (one.view, one.axis) == (view, axis)]
             for some in (found.discrepancies, found.unexplained)
         )
-        yield VIEWS[view].title if view in VIEWS else view, axis, _ranges(before), _ranges(after)
+        yield title(view), axis, _ranges(before), _ranges(after)
 
 
 def _ranges(places: Sequence[Discrepancy]) -> str:
