@@ -189,14 +189,14 @@ def _joined(streams: Sequence[tuple[pd.DataFrame, float]]) -> pd.DataFrame:
 
 
 def _at(time: np.ndarray, stream: pd.DataFrame, interval: float) -> pd.DataFrame:
-    """Return a stream, linear between its samples, at times [s], shape (n,); NaN outside of it and within its gaps."""
+    """Return a stream, linear between its samples, at those of times [s], shape (n,), that it covers without a gap."""
     known = stream.dropna(subset=list(axes(stream)))
     stamps = known.index.to_numpy()
     after = np.searchsorted(stamps, time).clip(1, len(stamps) - 1)
     apart = stamps[after] - stamps[after - 1] > NEIGHBOURS * interval
     outside = (time < stamps[0]) | (time > stamps[-1])
     values = {name: np.interp(time, stamps, known[name]) for name in known}
-    return pd.DataFrame(values, index=pd.Index(time, name=TIME)).mask(apart | outside)
+    return pd.DataFrame(values, index=pd.Index(time, name=TIME))[~(apart | outside)]
 
 
 def _once(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFrame, list[Remark]]:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from imugap.integrity.lattice_clock import lattice_interval
 from imugap.integrity.row_clock import every_row_is_a_sample
@@ -94,7 +95,8 @@ def interpolated(values: np.ndarray) -> TrueSampling | None:
     if power[at] < LINE * power[1:].mean() or _has_tone(bends, at / 2):
         return None
     alias = at / len(bends)
-    knots = next((share for share in (alias, 1 - alias) if _is_explained(finite, share)), None)
+    with threadpool_limits(1):  # hundreds of small factorisations, which several threads make slower
+        knots = next((share for share in (alias, 1 - alias) if _is_explained(finite, share)), None)
     return None if knots is None else TrueSampling(1 / knots, interpolated=True)
 
 
