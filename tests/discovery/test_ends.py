@@ -57,4 +57,7 @@ def test_a_time_offset_is_found_alone_and_reaches_the_floor(offset):
     assert [one.name for one in found.findings] == ["time_offset"]
     interval = found.findings[0].parameters["offset"]
     assert interval.low <= offset <= interval.high
-    assert found.distances["distribution"].after.value <= found.distances["distribution"].floor.high
+    apart = found.distances["distribution"]
+    # the end of the floor, of 60 simulations, is known to a twentieth; a right model is beyond the end itself once in 40
+    assert apart.after.value <= 1.05 * apart.floor.high
+    assert apart.before.value > 3 * apart.floor.high

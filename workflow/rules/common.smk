@@ -83,6 +83,7 @@ DISCOVERIES = {"story/hidden": {"log": ["results/story/cases/hidden/log.parquet"
 SIGHTED = [run for run in TRIALS if run in config["discovery"]["trials"] and "discovery" in CHAPTERS]
 # Settings of every discovery.
 DISCOVERY_SETTINGS = {key: config["discovery"][key] for key in ("alpha", "replicates", "simulations")}
+TRIAL_CASES = {name: config["trials"][name]["cases"] for name in ("forecasts", "curves")}
 STARTS = ["white", "nbk"]
 # Devices for discovery: on the first run, from two start models, tested on the other runs.
 MISSING_OF = [name for name in config["discovery"]["devices"] if len(RUNS[name]) > 1 and "discovery" in CHAPTERS]
@@ -301,6 +302,18 @@ def baseline_scores(wildcards):
     folder = "data/baselines_recorded" if recorded else "results/baselines"
     record = {"record": f"{folder}/record.yaml"} if recorded else {}
     return {name: f"{folder}/{name}.csv" for name in ("summary", "answers")} | record
+
+
+def trial_batches(trial):
+    """Name the batches of the cases of a trial: the numbers of their first ones."""
+    return [str(first) for first in range(0, TRIAL_CASES[trial], config["trials"]["cases_per_job"])]
+
+
+def trial_tables(wildcards):
+    """Name the tables of the trials: of their run here, or of the recorded one with its record."""
+    folder = "results/trials" if wildcards.trials == "trials" else "data/trials_recorded"
+    record = {} if wildcards.trials == "trials" else {"record": f"{folder}/record.yaml"}
+    return {name: f"{folder}/{name}.csv" for name in TRIAL_CASES} | record
 
 
 def dossier_of_log(wildcards):

@@ -1,19 +1,4 @@
 # Sealed cases of few axes: how sure a name is, and what a search loses against the test that knows what it looks for.
-TRIAL_CASES = {name: config["trials"][name]["cases"] for name in ("forecasts", "curves")}
-
-
-def trial_batches(trial):
-    """Name the batches of the cases of a trial: the numbers of their first ones."""
-    return [str(first) for first in range(0, TRIAL_CASES[trial], config["trials"]["cases_per_job"])]
-
-
-def trial_tables(wildcards):
-    """Name the tables of the trials: of their run here, or of the recorded one with its record."""
-    folder = "results/trials" if wildcards.trials == "trials" else "data/trials_recorded"
-    record = {} if wildcards.trials == "trials" else {"record": f"{folder}/record.yaml"}
-    return {name: f"{folder}/{name}.csv" for name in TRIAL_CASES} | record
-
-
 localrules:
     trials_joined,
     trials_page,
