@@ -58,6 +58,6 @@ def test_a_time_offset_is_found_alone_and_reaches_the_floor(offset):
     interval = found.findings[0].parameters["offset"]
     assert interval.low <= offset <= interval.high
     apart = found.distances["distribution"]
-    # the end of the floor, of 60 simulations, is known to a twentieth; a right model is beyond the end itself once in 40
+    # the end of the floor is known to a twentieth from 60 simulations; a right model is beyond it once in 40 logs
     assert apart.after.value <= 1.05 * apart.floor.high
     assert apart.before.value > 3 * apart.floor.high
