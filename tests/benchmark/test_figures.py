@@ -12,52 +12,35 @@ from imugap.figures import blind as drawn
 ROOT = Path(__file__).parents[2]
 
 
-def key(case, kind="single", effects=(), motion=False):
-    log = {"motion": motion, "base": "white", "rate_hz": 50.0, "duration_s": 600}
-    return {"case": case, "kind": kind, "effects": list(effects)} | log
+EFFECTS = pd.DataFrame(
+    [
+        ("a", "single", False, "white", "sinusoid", 10.0, "sinusoid", True, True, True),
+        ("b", "single", False, "white", "rate_ramp", 10.0, "sinusoid", False, False, True),
+        ("c", "single", False, "white", "rate_ramp", 1.0, blind.NONE, False, False, False),
+        ("d", "nothing", False, "white", blind.NONE, 0.0, blind.NONE, True, None, None),
+        ("e", "unknown", False, "white", blind.UNKNOWN, 10.0, blind.UNKNOWN, True, None, None),
+    ],
+    columns=list(blind.EFFECT_COLUMNS),
+)
+PARAMETERS = pd.DataFrame(
+    [("a", False, "sinusoid", 10.0, "amplitude", 2.0, 2.5, 1.5, 3.5, 0.5, True)], columns=list(blind.PARAMETER_COLUMNS)
+)
+CLOSED = {"distance_before": 9.0, "distance_after": 1.1, "distance_floor": 1.0}
+CLOSED |= {"distance_floor_low": 0.9, "distance_floor_high": 1.15}
+NAVIGATED = {name.replace("distance", "navigation_distance"): float("nan") for name in CLOSED}
 
 
-def hidden(name, axes=("gyro_x",), size=10.0, **parameters):
-    return {"name": name, "axes": list(axes), "parameters": parameters, "size": size}
+def scored(cases):
+    """Scores of some of the cases."""
+    effects, parameters = (table[table["case"].isin(list(cases))] for table in (EFFECTS, PARAMETERS))
+    return blind.Scores(pd.DataFrame([{"case": one} | CLOSED | NAVIGATED for one in cases]), effects, parameters)
 
 
-def found(name, axes=("gyro_x",), alternatives=(), **parameters):
-    others = [{"name": other, "log_score_gain": 8.0} for other in alternatives]
-    known = {key: dict(zip(("value", "low", "high"), of, strict=True)) for key, of in parameters.items()}
-    sure = {"p_value": 1e-4, "log_score_gain": 9.0, "alternatives": others}
-    return {"name": name, "axes": list(axes), "parameters": known} | sure
-
-
-PLACE = {"view": "spectrum", "axis": "gyro_x", "low": 1.0, "high": 2.0, "unit": "Hz", "p_value": 1e-3}
-CLOSED = {
-    "before": {"value": 9.0, "low": 8.0, "high": 10.0},
-    "after": {"value": 1.1, "low": 1.0, "high": 1.2},
-    "floor": {"value": 1.0, "low": 0.9, "high": 1.15},
-}
-
-
-def report(*effects, unexplained=(), distance=CLOSED):
-    places = {"gaps": [PLACE] if effects or unexplained else [], "unexplained": list(unexplained)}
-    return {"schema": "imugap/discovery/1", "effects": list(effects), "distance": distance} | places
-
-
-def scored(*pairs):
-    keys, reports = zip(*pairs, strict=True)
-    return blind.score(keys, reports, [1.0] * len(keys))
-
-
-MIXED = [
-    (key("a", effects=[hidden("sinusoid", amplitude=2.0)]), report(found("sinusoid", amplitude=(2.5, 1.5, 3.5)))),
-    (key("b", effects=[hidden("rate_ramp")]), report(found("sinusoid"))),
-    (key("c", effects=[hidden("rate_ramp", size=1)]), report()),
-    (key("d", "nothing"), report()),
-    (key("e", "unknown", [hidden("sweep")]), report(unexplained=[PLACE])),
-]
-QUIET = [(key("a", "nothing"), report())]
+MIXED, QUIET = "abcde", "d"
 
 
 def test_detection_has_a_row_for_each_hidden_name_and_a_panel_for_all():
-    rates = blind.detection(scored(*MIXED).effects)
+    rates = blind.detection(scored(MIXED).effects)
     together, each = drawn.detection(rates, clear=10).axes
     assert (together.get_title(), each.get_title()) == ("all effects", "each effect")
     assert [label.get_text() for label in each.get_yticklabels()] == ["rate ramp", "sinusoid"]
@@ -68,13 +51,13 @@ def test_detection_has_a_row_for_each_hidden_name_and_a_panel_for_all():
 
 
 def test_without_a_case_of_one_effect_detection_is_a_sentence():
-    (panel,) = drawn.detection(blind.detection(scored(*QUIET).effects), clear=10).axes
+    (panel,) = drawn.detection(blind.detection(scored(QUIET).effects), clear=10).axes
     assert panel.get_title() == ""
     assert panel.texts
 
 
 def test_the_counts_of_the_confusion_figure_are_those_of_the_cases():
-    figure = drawn.confusion(blind.confusion(scored(*MIXED).effects, smallest=10))
+    figure = drawn.confusion(blind.confusion(scored(MIXED).effects, smallest=10))
     (panel,) = figure.axes
     assert sorted(int(text.get_text()) for text in panel.texts) == [1, 1, 1, 1]
     assert [tick.get_text() for tick in panel.get_yticklabels()] == ["rate ramp", "sinusoid", "none", "unknown"]
@@ -82,7 +65,7 @@ def test_the_counts_of_the_confusion_figure_are_those_of_the_cases():
 
 @pytest.mark.parametrize("cases", [MIXED, QUIET])
 def test_distances_and_errors_of_as_many_cases_as_there_are(cases):
-    scores = scored(*cases)
+    scores = scored(cases)
     figure = drawn.distances(scores.cases)
     assert [len(line.get_xdata()) for line in figure.axes[0].lines] == [len(cases)] * 2
     assert [len(line.get_xdata()) for line in figure.axes[1].lines] == [0] * 2

@@ -5,9 +5,10 @@ import pandas as pd
 import pytest
 
 from imugap.discovery.device import Settings, discover
-from imugap.discovery.next_log import advise
+from imugap.discovery.next_log import Advice, Proposal, advise
 from imugap.discovery.posterior import ambiguity_set
 from imugap.effects import RateRamp, Sinusoid, Temperature, WhiteNoise
+from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel
 from imugap.model import ErrorModel
 
@@ -63,3 +64,12 @@ def test_the_advice_says_what_it_tells_apart_and_how_long_it_takes(drifting):
     (one,) = advice(found)
     assert one.sentence().startswith("gyro_x: to tell ")
     assert "record the device warmed by 20 °C and cooled again (480 s)" in one.sentence()
+
+
+@pytest.mark.parametrize(
+    ("longest", "expected"), [(0.0, "(60 s)."), (240.0, "(60 s); more of the same, up to 240 s, is ")]
+)
+def test_the_advice_speaks_of_more_of_the_same_only_where_it_was_tried(longest, expected):
+    moved = Proposal("the motion 2 times as large", 60.0, Conditions(TIME, INTERVAL))
+    said = Advice(("gyro_x",), "dead_zone", ("scale_factor",), moved, (), None, longest).sentence()
+    assert f"to tell dead zone from scale factor, record the motion 2 times as large {expected}" in said

@@ -12,7 +12,6 @@ SIZES = np.repeat(np.geomspace(1, 4.64, 5), 6)
 def test_the_test_that_knows_the_effect_finds_one_half_at_the_detection_limit():
     assert oracle_power(1.0) == pytest.approx(0.5)
     assert oracle_power(0.0) == pytest.approx(ALPHA)
-    assert oracle_power(1.0, order=2) == pytest.approx(0.5)
 
 
 def test_a_matched_filter_has_the_power_of_the_closed_form():

@@ -4,11 +4,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from imu_benchmark.sealing.detection_limits import Z
 from imugap.discovery.device import Settings
 from imugap.effects import GaussMarkov, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.model import ErrorModel
-from imugap.study.injection import LIMIT, SIZE, inject, untouched
+from imugap.study.injection import KINDS, inject, untouched
 
 SETTINGS = Settings(seed=3, replicates=39, simulations=4)
 COUNT, INTERVAL = 6000, 0.1
@@ -21,11 +22,11 @@ def base():
     return untouched("1", "gyro_x", device.simulate(rest, 3), SETTINGS)
 
 
-@pytest.mark.parametrize("kind", SIZE)
+@pytest.mark.parametrize("kind", KINDS)
 def test_an_effect_has_the_size_that_is_asked_for(base, kind):
     (effect,) = inject(base, [kind], 4.0, SETTINGS).injected
     waveform = base.fit.whiten(effect.sample(base.fit.sequence.conditions, None)[:, None])
-    assert np.linalg.norm(waveform) == pytest.approx(4.0 * LIMIT)
+    assert np.linalg.norm(waveform) == pytest.approx(4.0 * Z)
 
 
 def test_clear_effects_are_named_beside_those_of_the_log_and_have_their_sizes(base):

@@ -285,23 +285,21 @@ def own_effects(wildcards):
     return [path] if Path(path).is_file() else []
 
 
+def made_or_recorded(run, names):
+    """Name the tables of a run made here, below results; of one named NAME_recorded those in data, with its record."""
+    if not run.endswith("_recorded"):
+        return {name: f"results/{run}/{name}.csv" for name in names}
+    return {name: f"data/{run}/{name}.csv" for name in names} | {"record": f"data/{run}/record.yaml"}
+
+
 def blind_scores(wildcards):
     """Name the scores of the blind benchmark case by case: of its run here, or of the recorded one with its record."""
-    if wildcards.benchmark == "blind":
-        folder, record = "results/blind", {}
-    else:
-        folder = "data/blind_recorded"
-        record = {"record": f"{folder}/record.yaml"}
-    scores = ("cases", "effects", "parameters", "p_values", "run_time")
-    return {name: f"{folder}/{name}.csv" for name in scores} | record
+    return made_or_recorded(wildcards.benchmark, ("cases", "effects", "parameters", "p_values", "run_time"))
 
 
 def baseline_scores(wildcards):
     """Name the scores of the baselines: of their run here, or of the recorded one with its record."""
-    recorded = wildcards.baselines == "baselines_recorded"
-    folder = "data/baselines_recorded" if recorded else "results/baselines"
-    record = {"record": f"{folder}/record.yaml"} if recorded else {}
-    return {name: f"{folder}/{name}.csv" for name in ("summary", "answers")} | record
+    return made_or_recorded(wildcards.baselines, ("summary", "answers"))
 
 
 def trial_batches(trial):
@@ -311,9 +309,7 @@ def trial_batches(trial):
 
 def trial_tables(wildcards):
     """Name the tables of the trials: of their run here, or of the recorded one with its record."""
-    folder = "results/trials" if wildcards.trials == "trials" else "data/trials_recorded"
-    record = {} if wildcards.trials == "trials" else {"record": f"{folder}/record.yaml"}
-    return {name: f"{folder}/{name}.csv" for name in TRIAL_CASES} | record
+    return made_or_recorded(wildcards.trials, TRIAL_CASES)
 
 
 def dossier_of_log(wildcards):

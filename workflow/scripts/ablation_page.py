@@ -8,7 +8,7 @@ from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 
 DECIDED = 2.0
-"""Gain of log-density of the name beyond which a share of it is told."""
+"""Gain of log-density [nat] of the name beyond which a share of it is stated."""
 SEALED = "sealed"
 COLUMNS = ["source", "name", "rivals", "gain", "rival_gain", "count", "rate", "low", "high"]
 
@@ -39,11 +39,11 @@ def page(found):
 
 def numbers(data):
     """Return what the text says of the sealed logs, and of each device."""
-    told = {}
+    found = {}
     for source, group in data.groupby("source", sort=False):
         ahead = rate(group["gain"] > group["rival_gain"])
         clear = group[group["gain"] > DECIDED]
-        told[source] = {
+        found[source] = {
             "count": ahead["count"],
             "ahead": round(ahead["count"] * ahead["rate"]),
             "low": f"{100 * ahead['low']:.0f}",
@@ -51,7 +51,7 @@ def numbers(data):
             "clear": len(clear),
             "share": f"{100 * clear['share'].median():.0f}" if len(clear) else "—",
         }
-    return told
+    return found
 
 
 with job(snakemake) as (source, _, output):

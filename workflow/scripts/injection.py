@@ -6,18 +6,16 @@ from imugap import log
 from imugap.discovery.device import Settings
 from imugap.discovery.steps import each_in_processes
 from imugap.log import AXES
-from imugap.study.injection import SIZE, inject, untouched
+from imugap.study.injection import KINDS, inject, untouched
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
-
-KINDS = tuple(SIZE)
 
 
 def trials(run, axis, path, sizes, together, settings):
     """Return the rows of all trials on one axis of a run: each kind alone at each size, and several at the largest."""
     base = untouched(run, axis, log.load(path), settings)
     alone = [([kind], size) for kind in KINDS for size in sizes]
-    several = [(KINDS[:number], max(sizes)) for number in together]
+    several = [(tuple(KINDS)[:number], max(sizes)) for number in together]
     return [row for kinds, size in (*alone, *several) for row in inject(base, kinds, size, settings).rows()]
 
 

@@ -49,13 +49,14 @@ def numbers(trials):
     inside = trials.loc[trials["named"].astype(bool), "inside"].astype(bool)
     shares = {"alone": rate(alone["named"].astype(bool)), "several": rate(several["named"].astype(bool)),
               "inside": rate(inside)}  # fmt: skip
-    others = trials.groupby(["run", "axis", "size", "together", "name"])["others"].max()
+    alone_by_name = trials["name"].where(trials["together"] == 1, "")  # effects added together are one trial
+    others = trials.groupby(["run", "axis", "size", "together", alone_by_name])["others"].first()
     return {
         "clear": f"{clear['size'].iloc[0]:g}",
         "logs": len(trials.drop_duplicates(["run", "axis"])),
         "most": int(trials["together"].max()),
         "others": int((others > 0).sum()),
-        "trials": len(trials),
+        "trials": len(others),
     } | {
         name: {"count": one["count"], "right": round(one["count"] * one["rate"])}
         | {end: f"{100 * one[end]:.0f}" for end in ("rate", "low", "high")}

@@ -1,4 +1,4 @@
-"""Check plain data against the JSON schemas of this package (folder ``schemas``), with faults told in one line.
+"""Check plain data against the JSON schemas of this package (folder ``schemas``), with faults stated in one line.
 
 The schemas use the keywords of :data:`CHECKS`, ``$ref`` to their own ``$defs``, and annotations.
 """

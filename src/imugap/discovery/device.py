@@ -38,7 +38,7 @@ from imugap.discovery.views import COHERENCE, Curve
 from imugap.discovery.views.discrepancies import REPLICATES, ViewTest, significant_discrepancies, view_tests
 from imugap.effects import CATALOGUE
 from imugap.effects.effect import Effect, Role, Stage
-from imugap.log import TEMPERATURE, axes
+from imugap.log import AXES, TEMPERATURE, axes
 from imugap.model import ErrorModel
 from imugap.units import STANDARD_GRAVITY
 
@@ -147,6 +147,10 @@ class Settings:
     def log_alpha(self, axes: int) -> float:
         """Return the logarithm of the false-alarm probability of one proposal on one axis."""
         return float(np.log(self.alpha / axes / len(self.catalogue)))
+
+    def of_some_axes(self, count: int) -> "Settings":
+        """Return the settings of a search of ``count`` axes, each proposal at the level that it has among all six."""
+        return replace(self, alpha=self.alpha * count / len(AXES))
 
 
 @dataclass(frozen=True, eq=False)

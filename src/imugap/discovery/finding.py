@@ -80,7 +80,7 @@ class Finding:
         for effects that were not found by likelihood.
     alternatives
         (name, gain) of effects that the data cannot distinguish from it.
-    beside
+    axis_effects
         All effects of its axis, fitted, itself among them; none for one that no fit adjusts or that axes share.
     rivals
         Effects that were fitted in its place.
@@ -95,7 +95,7 @@ class Finding:
     log_p: float
     log_score_gain: float = 0.0
     alternatives: tuple[tuple[str, float], ...] = field(default=())
-    beside: tuple[Effect, ...] = ()
+    axis_effects: tuple[Effect, ...] = ()
     rivals: tuple[Rival, ...] = ()
     misfit_log_p: float = 0.0
     probabilities: Mapping[str, float] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""Which further log would tell apart the names that a log leaves open.
+"""Which further log would separate the names that a log leaves open.
 
 Every proposal of a log is simulated with the chosen name and with each rival of the ambiguity set. Both are fitted to
 what was simulated, and compared as the search compares them. A proposal separates the names if, whichever of them is
@@ -50,7 +50,7 @@ class Proposal:
 
 @dataclass(frozen=True)
 class Advice:
-    """What to record next, so that a name is told from its rivals.
+    """What to record next, so that a name is separated from its rivals.
 
     Attributes
     ----------
@@ -64,6 +64,8 @@ class Advice:
         Rivals that it leaves.
     longer
         Length [s] of a log of the same kind that separates as many, or None where none that was tried is long enough.
+    longest
+        Length [s] of the longest log of the same kind that was tried; 0 for none.
     """
 
     axes: tuple[str, ...]
@@ -72,17 +74,18 @@ class Advice:
     best: Proposal | None
     left: tuple[str, ...]
     longer: float | None
+    longest: float
 
     def sentence(self) -> str:
         """Return the advice as a sentence."""
-        told = [one for one in self.rivals if one not in self.left]
-        begin = f"{', '.join(self.axes)}: to tell {_words([self.name])} from {_words(told or self.rivals)}, "
+        separated = [one for one in self.rivals if one not in self.left] or self.rivals
+        begin = f"{', '.join(self.axes)}: to tell {_words([self.name])} from {_words(separated)}, "
         if self.best is None:
             return f"{begin}none of the further logs that were tried is enough."
         text = f"{begin}record {self.best.action} ({self.best.duration:.0f} s)"
-        if self.longer is None:
-            text += f"; more of the same, up to {TIMES[-1]} times as long, is not enough"
-        elif self.longer > self.best.duration:
+        if self.longer is None and self.longest:
+            text += f"; more of the same, up to {self.longest:.0f} s, is not enough"
+        elif self.longer is not None and self.longer > self.best.duration:
             text += f"; more of the same takes {self.longer:.0f} s"
         return f"{text}; {_words(self.left)} may remain." if self.left else f"{text}."
 
@@ -113,16 +116,17 @@ def _advice(finding: Finding, rivals: Sequence[Rival], conditions: Conditions, s
     """Return the shortest log that separates a name from most of its rivals, and the length of more of the same."""
 
     def left(proposal: Proposal) -> tuple[str, ...]:
-        return tuple(one.name for one in rivals if not _separates(finding.beside, one.effects, proposal, seed))
+        return tuple(one.name for one in rivals if not _separates(finding.axis_effects, one.effects, proposal, seed))
 
     same = [(proposal, left(proposal)) for proposal in _longer(conditions)]
     other = [(proposal, left(proposal)) for proposal in _other(conditions)]
     best, remain = min((*other, *same), key=lambda pair: (len(pair[1]), pair[0].duration), default=(None, ()))
     names = tuple(one.name for one in rivals)
+    longest = max((proposal.duration for proposal, _ in same), default=0.0)
     if best is None or len(remain) == len(rivals):
-        return Advice(finding.axes, finding.name, names, None, names, None)
+        return Advice(finding.axes, finding.name, names, None, names, None, longest)
     longer = (proposal.duration for proposal, rest in same if len(rest) <= len(remain))
-    return Advice(finding.axes, finding.name, names, best, remain, next(longer, None))
+    return Advice(finding.axes, finding.name, names, best, remain, next(longer, None), longest)
 
 
 def _words(names: Sequence[str]) -> str:

@@ -1,4 +1,4 @@
-"""Does the name matter? The held-out gain of a named effect beside that of the best wrong name.
+"""Does the name matter? The held-out gain of a named effect against that of the best wrong name.
 
 Both models are fitted to the first part of a log and scored on the rest of it, or on another run, by the log-density of
 its samples. The wrong name is the one that fits the log best among those that discovery tried in the place of the name.
@@ -21,7 +21,7 @@ from imugap.effects.effect import Effect
 
 @dataclass(frozen=True)
 class HeldOutGains:
-    """Gains of log-density on unseen samples over the model without the effect: of the name, and of a wrong one."""
+    """Gains of log-density [nat] on unseen samples over the model without the effect: of the name, of a wrong name."""
 
     axis: str
     name: str
@@ -56,18 +56,18 @@ def on_another_run(found: Discovery, run: dict[str, AxisSequence]) -> Iterator[H
 
 
 def _with_rivals(found: Discovery) -> Iterator[Finding]:
-    return (one for one in found.findings if one.rivals and one.beside)
+    return (one for one in found.findings if one.rivals and one.axis_effects)
 
 
 def _compared(one: Finding, seen: AxisSequence, unseen: AxisSequence) -> HeldOutGains:
     """Fit the models with the name, with its best rival and with neither to seen samples, and score unseen ones."""
     rival = max(one.rivals, key=lambda other: other.log_bayes_factor)
     (axis, effect), *_ = one.effects.items()
-    without = tuple(other for other in one.beside if other.name != effect.name)
+    without = tuple(other for other in one.axis_effects if other.name != effect.name)
 
     def score(effects: tuple[Effect, ...]) -> float:
         with threadpool_limits(1):
             return log_score(unseen, fit(seen, described(effects, seen)).description)
 
     least = score(without)
-    return HeldOutGains(axis, one.name, rival.name, score(one.beside) - least, score(rival.effects) - least)
+    return HeldOutGains(axis, one.name, rival.name, score(one.axis_effects) - least, score(rival.effects) - least)

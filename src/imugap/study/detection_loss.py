@@ -3,7 +3,7 @@
 Size 1 is the detection limit: the most powerful test of a known effect on a known axis, of known shape, at a
 false-alarm probability of 1 %, has a power of one half there (Neyman & Pearson 1933, Phil. Trans. R. Soc. A 231;
 :mod:`imu_benchmark.sealing.detection_limits`).
-A search knows neither; its loss is the size at which it finds one half, less one.
+A search knows none of these; its loss is the size at which it finds one half, less one.
 """
 
 from dataclasses import dataclass
@@ -11,40 +11,38 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2, norm
 
-ALPHA = 0.01
+from imu_benchmark.sealing.detection_limits import Z
+
+ALPHA = float(norm.sf(Z))
 """False-alarm probability of the test and of the search, over all that either looks at."""
-Z = float(norm.isf(ALPHA))
 LEVEL = 0.95
+"""Probability of an interval."""
 SLOPES = np.geomspace(1.0, 30.0, 40)
 """Slopes of the power over the logarithm of the size, in standard deviations of the test, that are tried."""
 GRID = 400
+"""Half sizes that are tried."""
 
 
 @dataclass(frozen=True)
 class HalfSize:
-    """Size at which one half is found, with its 95 % interval; infinite where the sizes do not bound it."""
+    """Size [limits] at which one half is found, with its 95 % interval; infinite where the trials do not bound it."""
 
     value: float
     low: float
     high: float
 
 
-def oracle_power(size: np.ndarray, order: int = 1) -> np.ndarray:
-    """Return the power of the test that knows the effect, over the size in detection limits.
+def oracle_power(size: np.ndarray) -> np.ndarray:
+    """Return the power of the test that knows the effect, a waveform in Gaussian noise, over the size [limits]."""
+    return norm.cdf(Z * (np.asarray(size, float) - 1))
 
-    ``order`` is the power of the size with which the signal-to-noise ratio grows: one for a known waveform in Gaussian
-    noise, two for a random process, whose variance it is that shows.
+
+def bonferroni_half_size(choices: float) -> float:
+    """Return the size [limits] at which the same test finds one half where it chooses among a number of waveforms.
+
+    Each is tested at a part of the false-alarm probability :data:`ALPHA`; independent tests nearly reach this bound.
     """
-    return norm.cdf(Z * (np.asarray(size, float) ** order - 1))
-
-
-def bonferroni_half_size(choices: float, order: int = 1) -> float:
-    """Return the size at which the same test finds one half where it has to choose among a number of alternatives.
-
-    That many tests at the false-alarm probability :data:`ALPHA` together, the union bound of which is nearly reached by
-    independent ones.
-    """
-    return float((norm.isf(ALPHA / choices) / Z) ** (1 / order))
+    return float(norm.isf(ALPHA / choices) / Z)
 
 
 def half_size(size: np.ndarray, found: np.ndarray) -> HalfSize:

@@ -5,29 +5,44 @@ without it, so that what it names is what was added. Sizes are in detection limi
 shape, at 1 % false alarms, finds one half in the noise of that model.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy.stats import norm
 
+from imu_benchmark.sealing.detection_limits import Z
 from imugap.discovery.device import Discovery, Settings, discover
 from imugap.discovery.finding import Finding
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.effects import BiasStep, RateRamp, Sinusoid, WarmUp
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import SystematicEffect
-from imugap.log import AXES
 from imugap.model import ErrorModel
 from imugap.stream import stream
 
-LIMIT = float(norm.isf(0.01))
-"""Detection limit of a known waveform [Cramer-Rao standard deviations of its amplitude]."""
-SIZE = {"sinusoid": "amplitude", "bias_step": "step", "rate_ramp": "slope", "warm_up": "amplitude"}
-"""Parameter that carries the size of an effect."""
 LINES, STEPS, CONSTANTS = (0.02, 0.45), (0.2, 0.8), (0.05, 0.25)
 """Ranges of the frequency [sampling rates], of the time of a step and of the time constant of a warm-up [durations]."""
+
+
+class Kind(NamedTuple):
+    """A kind of effect that is injected: the parameter that carries its size, and how one of unit size is drawn.
+
+    ``draw`` takes a generator, the sampling interval [s] and the duration of the log [s].
+    """
+
+    size: str
+    draw: Callable[[np.random.Generator, float, float], SystematicEffect]
+
+
+KINDS: Mapping[str, Kind] = {
+    "sinusoid": Kind("amplitude", lambda rng, interval, _: Sinusoid(rng.uniform(*LINES) / interval, 1.0, _phase(rng))),
+    "bias_step": Kind("step", lambda rng, _, duration: BiasStep(rng.uniform(*STEPS) * duration, 1.0)),
+    "rate_ramp": Kind("slope", lambda *_: RateRamp(1.0)),
+    "warm_up": Kind("amplitude", lambda rng, _, duration: WarmUp(1.0, rng.uniform(*CONSTANTS) * duration)),
+}
+"""Kinds of effects by name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +67,7 @@ class Untouched:
 
 @dataclass(frozen=True, eq=False)
 class Injection:
-    """Injected effects, and what discovery found of them."""
+    """Effects injected into a log at a ``size`` [detection limits], and what discovery found of them."""
 
     base: Untouched
     size: float
@@ -67,7 +82,8 @@ class Injection:
         return [self._row(effect) | {"together": len(names), "others": others} for effect in self.injected]
 
     def _row(self, effect: SystematicEffect) -> dict:
-        key, true = SIZE[effect.name], getattr(effect, SIZE[effect.name])
+        key = KINDS[effect.name].size
+        true = getattr(effect, key)
         found = next((one.parameters[key] for one in self.findings if one.name == effect.name), None)
         same = {"run": self.base.run, "axis": self.base.axis, "name": effect.name, "size": self.size}
         if found is None:
@@ -78,7 +94,7 @@ class Injection:
 def untouched(run: str, axis: str, log: pd.DataFrame, settings: Settings) -> Untouched:
     """Discover on one axis of a log as it is, at the level that it has among six."""
     own = log[[axis]]
-    return Untouched(run, axis, own, discover([own], _of_one_axis(settings)))
+    return Untouched(run, axis, own, discover([own], settings.of_some_axes(1)))
 
 
 def inject(base: Untouched, kinds: Sequence[str], size: float, settings: Settings) -> Injection:
@@ -87,12 +103,8 @@ def inject(base: Untouched, kinds: Sequence[str], size: float, settings: Setting
     effects = tuple(_of_size(kind, size, base, settings.seed) for kind in kinds)
     added = sum(effect.sample(_whole(conditions, base.log), None) for effect in effects)
     log = base.log.assign(**{base.axis: base.log[base.axis] + added})
-    found = discover([log], replace(_of_one_axis(settings), start=base.model))
+    found = discover([log], replace(settings.of_some_axes(1), start=base.model))
     return Injection(base, size, effects, found.findings)
-
-
-def _of_one_axis(settings: Settings) -> Settings:
-    return replace(settings, alpha=settings.alpha / len(AXES))
 
 
 def _whole(conditions: Conditions, log: pd.DataFrame) -> Conditions:
@@ -106,18 +118,13 @@ def _of_size(kind: str, size: float, base: Untouched, seed: int) -> SystematicEf
     rng = stream(seed, "injection", base.run, base.axis, kind, size)
     conditions = base.fit.sequence.conditions
     duration = conditions.interval * len(conditions)
-    unit = _shapes(rng, conditions.interval, duration)[kind]
+    size_of, draw = KINDS[kind]
+    unit = draw(rng, conditions.interval, duration)
     waveform = base.fit.whiten(unit.sample(conditions, None)[:, None])
-    scale = size * LIMIT / np.linalg.norm(waveform) * rng.choice([-1.0, 1.0])
-    amplitude = abs(scale) if kind == "sinusoid" else scale
-    return replace(unit, **{SIZE[kind]: float(amplitude)})
+    scale = size * Z / np.linalg.norm(waveform) * rng.choice([-1.0, 1.0])
+    lowest, _ = unit.limits()[size_of]
+    return replace(unit, **{size_of: float(scale if lowest < 0 else abs(scale))})
 
 
-def _shapes(rng: np.random.Generator, interval: float, duration: float) -> Mapping[str, SystematicEffect]:
-    """Draw one effect of each kind, of unit size."""
-    return {
-        "sinusoid": Sinusoid(rng.uniform(*LINES) / interval, 1.0, rng.uniform(-np.pi, np.pi)),
-        "bias_step": BiasStep(rng.uniform(*STEPS) * duration, 1.0),
-        "rate_ramp": RateRamp(1.0),
-        "warm_up": WarmUp(1.0, rng.uniform(*CONSTANTS) * duration),
-    }
+def _phase(rng: np.random.Generator) -> float:
+    return rng.uniform(-np.pi, np.pi)

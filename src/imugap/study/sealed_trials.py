@@ -50,11 +50,8 @@ def answer(case: BlindCase, recipe: Mapping, settings: Settings) -> Answer:
 def search(sealed: SealedCase, settings: Settings) -> Discovery:
     """Discover on those axes of a sealed case that hide something, as :func:`answer` does."""
     used = _searched(sealed)
-    own = replace(
-        settings,
-        alpha=settings.alpha * len(used) / len(AXES),
-        start=None if sealed.model is None else ErrorModel.from_mapping(sealed.model),
-    )
+    start = None if sealed.model is None else ErrorModel.from_mapping(sealed.model)
+    own = replace(settings.of_some_axes(len(used)), start=start)
     return discover([_part(log, used) for log in sealed.logs], own, reference=sealed.reference)
 
 
