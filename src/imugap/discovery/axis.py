@@ -52,21 +52,21 @@ class AxisSearch:
     Attributes
     ----------
     start_fit
-        Fit of the start model to the held-in part.
-    held_in_fit, held_in_search
-        Fit with the added effects to the held-in part, and the search that added them.
+        Fit of the start model to the training part.
+    training_fit, training_search
+        Fit with the added effects to the training part, and the search that added them.
     whole_fit, whole_search
         The same for the whole log.
     held_out
-        The last part of the log, which the held-in fits have not seen.
+        The last part of the log, which the training fits have not seen.
     bands, switching
         Bands of unsteady lines, and telegraph noise that the samples show but not the spectrum. Both were removed
         before all fits but that of the start model.
     """
 
     start_fit: AxisFit
-    held_in_fit: AxisFit
-    held_in_search: Search
+    training_fit: AxisFit
+    training_search: Search
     whole_fit: AxisFit
     whole_search: Search
     held_out: AxisSequence
@@ -81,9 +81,9 @@ class AxisResult:
     Attributes
     ----------
     start_fit
-        Fit of the start model to the held-in part.
-    held_in_fit
-        Fit of the named effects to the held-in part; slow noise without a name is a power law.
+        Fit of the start model to the training part.
+    training_fit
+        Fit of the named effects to the training part; slow noise without a name is a power law.
     whole_fit
         The same for the whole log.
     findings
@@ -99,7 +99,7 @@ class AxisResult:
     """
 
     start_fit: AxisFit
-    held_in_fit: AxisFit
+    training_fit: AxisFit
     whole_fit: AxisFit
     findings: tuple[Finding, ...]
     withheld: tuple[Withheld, ...]
@@ -126,8 +126,8 @@ class AxisResult:
 
     @property
     def same_names(self) -> bool:
-        """Return whether held-in part and whole log show the same named effects."""
-        return _names(self.held_in_fit) == _names(self.whole_fit)
+        """Return whether training part and whole log show the same named effects."""
+        return _names(self.training_fit) == _names(self.whole_fit)
 
 
 def _names(found: AxisFit) -> list[str]:
@@ -156,9 +156,9 @@ def part(sequence: AxisSequence, first: int, last: int) -> AxisSequence:
 def search_axis(
     sequence: AxisSequence, start: Sequence[Effect], catalogue: tuple[type[Effect], ...], log_alpha: float, split: int
 ) -> AxisSearch:
-    """Search one axis for missing effects: first the held-in part, then the whole log.
+    """Search one axis for missing effects: first the training part, then the whole log.
 
-    The search of the whole log starts from the fit of the held-in part, without its outliers and changes of the
+    The search of the whole log starts from the fit of the training part, without its outliers and changes of the
     variance: no later fit moves these, so that they are found anew. Where an unnamed function of the motion explains
     more than all added effects, in both, the search ends. It uses one thread; axes run in parallel.
 
@@ -176,8 +176,8 @@ def search_axis(
         First sample of the held-out part.
     """
     with threadpool_limits(1):
-        held_in, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
-        before, early = _search_held_in(held_in, start, catalogue, log_alpha)
+        training, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
+        before, early = _search_training(training, start, catalogue, log_alpha)
         end = float(sequence.conditions.time[-1] + sequence.conditions.interval)
         whole = wandering_lines.without_bands(part(sequence, 0, len(sequence.values)), early.bands)
         changes = before.description.of(Role.VARIANCE)
@@ -200,11 +200,11 @@ def search_axis(
         )
 
 
-def _search_held_in(
-    held_in: AxisSequence, start: Sequence[Effect], catalogue: tuple[type[Effect], ...], log_alpha: float
+def _search_training(
+    training: AxisSequence, start: Sequence[Effect], catalogue: tuple[type[Effect], ...], log_alpha: float
 ) -> tuple[AxisFit, "_SearchEnd"]:
-    """Return the fit of the start model to the held-in part, and the end of the search from there."""
-    begin = fit(held_in, described(start, held_in))
+    """Return the fit of the start model to the training part, and the end of the search from there."""
+    begin = fit(training, described(start, training))
     search = Search(begin.description, catalogue, log_alpha)
     before = search.without_known_outliers(begin)
     return before.without_cache(), _search(search, before).without_cache()
@@ -245,7 +245,7 @@ class _SearchEnd:
 
 
 def _odd_in_both(search: Search, begun: AxisFit, early: _SearchEnd) -> _SearchEnd | None:
-    """Return the effects of the held-in part fitted to the whole log, if it is odd in both; else None."""
+    """Return the effects of the training part fitted to the whole log, if it is odd in both; else None."""
     if not early.odd or early.switching is not None:
         return None
     wide = None if early.found.description.outliers is None else search.without_outliers(begun)
@@ -305,7 +305,7 @@ def conclude(searched: AxisSearch, withdrawn: Mapping[type[Effect], str] = Mappi
         switching, odd = _telegraph_finding(searched, rejected)
         findings = (*(_finding(searched, *pair) for pair in zip(named, settled, strict=True)), *switching)
         nameless = (*(withheld(one, misfit) for one, misfit in rejected.items()), *odd)
-        early = searched.held_in_search, searched.held_in_fit
+        early = searched.training_search, searched.training_fit
         after = without_unnamed(*early, _rejected(*early, withdrawn))
         bands = (*searched.bands, *sweeps)
         switches = searched.switching.effect if switching else None
@@ -447,10 +447,10 @@ def _same_tone(one: Effect, other: Effect, duration: float) -> bool:
 def _gain(searched: AxisSearch, candidate: Candidate) -> float:
     """Return the gain of log-density of the held-out part by an effect of the fit to the whole log.
 
-    It is that of fits to the held-in part, or, where that part does not show the effect, of those to the whole log.
+    It is that of fits to the training part, or, where that part does not show the effect, of those to the whole log.
     """
     effect = candidate.effect
-    same = searched.held_in_search.added(searched.held_in_fit, lambda one: type(one) is type(effect))
+    same = searched.training_search.added(searched.training_fit, lambda one: type(one) is type(effect))
     nearest = min(same, key=lambda one: _relative_difference(one.effect, effect), default=candidate)
     full, without = (log_score(searched.held_out, one.description) for one in (nearest.fit, nearest.without))
     return full - without

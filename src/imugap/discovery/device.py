@@ -60,7 +60,7 @@ class Discovery:
     start, final
         Error models before and after.
     discrepancies
-        Where the start model and the held-in part disagree.
+        Where the start model and the training part disagree.
     findings
         The effects that were added, surest first.
     unexplained
@@ -77,7 +77,7 @@ class Discovery:
         Navigation of the held-out data, measured and simulated, of each log that is compared; none for a device in
         motion or without all six axes.
     before, after
-        Every view of the log against replicates of the start model (held-in part) and of the final one (whole log).
+        Every view of the log against replicates of the start model (training part) and of the final one (whole log).
     record, results
         The first log, prepared, and the result of each axis of it.
     further
@@ -193,7 +193,7 @@ class _Searched(_Prepared):
 
     @property
     def before(self) -> dict[str, AxisFit]:
-        """Fit of the start model to the held-in part of each axis."""
+        """Fit of the start model to the training part of each axis."""
         return {axis: one.start_fit for axis, one in self.searches.items()}
 
     @property
@@ -436,7 +436,7 @@ def _search_axes(stage: _Prepared) -> _Searched:
 
 
 def _locate_discrepancies(stage: _Searched) -> _Located:
-    """Test every view of the held-in part against replicates of the start model."""
+    """Test every view of the training part against replicates of the start model."""
     settings = stage.settings
     stage.steps.begin("discrepancies")
     with each_in_processes(settings.workers) as each:
@@ -561,7 +561,7 @@ def _with_probabilities(finding: Finding, proposals: int) -> Finding:
 
 
 def _split(sequence: AxisSequence) -> int:
-    """Return the number of samples of the held-in part."""
+    """Return the number of samples of the training part."""
     return int(HELD_IN_SHARE * len(sequence.values))
 
 

@@ -27,7 +27,7 @@ from imugap.log import LogError
 from imugap.model import ErrorModel
 
 MIN_SAMPLES = 320
-"""Minimum number of samples of an axis, for the views of the held-in and the held-out part."""
+"""Minimum number of samples of an axis, for the views of the training and the held-out part."""
 MAX_RATE_DIFFERENCE = 0.2
 """Maximum relative difference of the rates of a further run and the first: no clock of a device is farther off."""
 MIN_REGULAR_SHARE, MIN_REGULAR_COUNT = 0.9, 40

@@ -27,9 +27,9 @@ def search_each(
 def agree_on_noise(searches: dict[str, AxisSearch]) -> dict[str, AxisSearch]:
     """Give the axes of a sensor one kind of slow noise where their samples do not contradict it."""
     with threadpool_limits(1):
-        held_in = agreed(_each(searches, "held_in_fit"), _each(searches, "held_in_search"))
+        training = agreed(_each(searches, "training_fit"), _each(searches, "training_search"))
         whole = agreed(_each(searches, "whole_fit"), _each(searches, "whole_search"))
-    return {axis: replace(one, held_in_fit=held_in[axis], whole_fit=whole[axis]) for axis, one in searches.items()}
+    return {axis: replace(one, training_fit=training[axis], whole_fit=whole[axis]) for axis, one in searches.items()}
 
 
 def name_pooled(
@@ -72,13 +72,13 @@ def _pool(
     searches: dict[str, AxisSearch], apart: Collection[type[Effect]]
 ) -> tuple[dict[str, AxisSearch], tuple[Joint, ...]]:
     """Return the searches with the effects of one value held, and these effects."""
-    held_in = joined(_each(searches, "held_in_fit"), _each(searches, "held_in_search"), apart)
+    training = joined(_each(searches, "training_fit"), _each(searches, "training_search"), apart)
     whole = joined(_each(searches, "whole_fit"), _each(searches, "whole_search"), apart)
     held = {
         axis: replace(
             one,
-            held_in_fit=held_in.fits[axis],
-            held_in_search=held_in.searches[axis],
+            training_fit=training.fits[axis],
+            training_search=training.searches[axis],
             whole_fit=whole.fits[axis],
             whole_search=whole.searches[axis],
         )

@@ -260,7 +260,7 @@ class _Inputs(NamedTuple):
     samples: np.ndarray
     dt: np.ndarray
     weights: WalkWeights
-    seen: np.ndarray
+    stance_velocity: np.ndarray
     fixes: np.ndarray
     fix_noise: float
     sensors: SensorArrays
@@ -273,75 +273,79 @@ class _State(NamedTuple):
     navigation: np.ndarray
     errors: np.ndarray
     covariance: np.ndarray
-    since: np.ndarray
+    stance_s: np.ndarray
 
     def copy(self) -> "_State":
         return _State(*(one.copy() for one in self))
 
 
 @kernel
-def _zero_velocity(covariance, errors, seen, gyro, noise, arms, row, spread, weight, nav, block, slot):
-    """Update by the velocity ``seen`` of a point of the foot; return the corrected navigation and the NIS."""
+def _zero_velocity(
+    covariance, errors, stance_velocity, gyro, noise, arms, row, cross_covariance, gain, nav, block, slot
+):
+    """Update by the velocity of a point of the foot; return the corrected navigation and the NIS."""
     total = 0.0
     for i in range(3):
         axes = mat_from_quat(nav[2])[i]
-        residual = nav[1][i] - seen[i]
+        residual = nav[1][i] - stance_velocity[i]
         row[VELOCITY + i] = 1.0
-        reach = cross(gyro, axes)
+        arm_velocity = cross(gyro, axes)
         for m in range(len(arms)):
-            row[arms[m]] = -reach[m]
-            residual -= reach[m] * errors[arms[m] - NAVIGATION]
+            row[arms[m]] = -arm_velocity[m]
+            residual -= arm_velocity[m] * errors[arms[m] - NAVIGATION]
         nav, nis = apply_measurement(
-            covariance, errors, row, residual, noise, spread, weight, nav, block, slot, i, True
+            covariance, errors, row, residual, noise, cross_covariance, gain, nav, block, slot, i, True
         )
         total += nis
     return nav, total
 
 
 @kernel
-def _zero_rate(covariance, errors, rate, noise, axis, gain, row, spread, weight, nav, block, slot):
+def _zero_rate(covariance, errors, rate, noise, axis, sensitivity, row, cross_covariance, gain, nav, block, slot):
     """Update by zero angular rate of the body; return the corrected navigation and the NIS."""
     total = 0.0
     for i in range(3):
         residual = rate[i]
         for s in range(len(axis)):
             if axis[s] == i:
-                residual -= gain[s] * errors[s]
-                row[NAVIGATION + s] = -gain[s]
+                residual -= sensitivity[s] * errors[s]
+                row[NAVIGATION + s] = -sensitivity[s]
         nav, nis = apply_measurement(
-            covariance, errors, row, residual, noise[i], spread, weight, nav, block, slot, 3 + i, True
+            covariance, errors, row, residual, noise[i], cross_covariance, gain, nav, block, slot, 3 + i, True
         )
         total += nis
     return nav, total
 
 
 @kernel
-def _floor_height(covariance, errors, variance, row, spread, weight, nav, block, slot):
+def _floor_height(covariance, errors, variance, row, cross_covariance, gain, nav, block, slot):
     """Update by the height of the last stance; return the corrected navigation."""
     floor = len(row) - 1
     residual = nav[0][DOWN] - errors[floor - NAVIGATION]
     covariance[floor, floor] += LEVEL_SHARE * variance if abs(residual) < STEP_M else STEP_STD_M * STEP_STD_M
     row[DOWN], row[floor] = 1.0, -1.0
     nav, _ = apply_measurement(
-        covariance, errors, row, residual, variance, spread, weight, nav, block, slot, MEASUREMENTS - 1, True
+        covariance, errors, row, residual, variance, cross_covariance, gain, nav, block, slot, MEASUREMENTS - 1, True
     )
     return nav
 
 
 @kernel
-def _position(covariance, errors, position, noise, row, spread, weight, nav, block, slot):
+def _position(covariance, errors, position, noise, row, cross_covariance, gain, nav, block, slot):
     """Update by a known position; return the corrected navigation."""
     for i in range(3):
         row[i] = 1.0
         residual = nav[0][i] - position[i]
         nav, _ = apply_measurement(
-            covariance, errors, row, residual, noise, spread, weight, nav, block, slot, 6 + i, True
+            covariance, errors, row, residual, noise, cross_covariance, gain, nav, block, slot, 6 + i, True
         )
     return nav
 
 
 @njit(cache=True, error_model="numpy")
-def _filter(samples, dt, weights, seen, fixes, fix_noise, sensors, constants, first, last, state, history, block):
+def _filter(
+    samples, dt, weights, stance_velocity, fixes, fix_noise, sensors, constants, first, last, state, history, block
+):
     """Filter the samples ``first`` to ``last`` (excluded) from the state at the sample before.
 
     Fills ``history`` at these samples, and ``block`` from its begin, unless it is empty.
@@ -352,58 +356,69 @@ def _filter(samples, dt, weights, seen, fixes, fix_noise, sensors, constants, fi
     start, errors, covariance = state.navigation, state.errors, state.covariance
     count, size, stored = len(axis), len(covariance), len(block.rows) > 0
     work, shift = np.empty((size, size)), np.empty((6, size))
-    gain, hold, drive = np.ones(count), np.ones(count), np.zeros(count)
-    row, spread, weight = np.zeros(size), np.empty(size), np.empty(size)
+    sensitivity, decay_factor, driving_variance = np.ones(count), np.ones(count), np.zeros(count)
+    row, cross_covariance, gain = np.zeros(size), np.empty(size), np.empty(size)
     now, before = np.empty(6), np.empty(6)
     nav = (start[0], start[1], start[2]), (start[3], start[4], start[5]), (start[6], start[7], start[8], start[9])
-    mat, since, step = mat_from_quat(nav[2]), state.since[0], 0.0
+    mat, stance_s, step = mat_from_quat(nav[2]), state.stance_s[0], 0.0
     for k in range(first, last):
         interval, slot = dt[k], k - first
-        compensate(samples, k, axis, scale, fixed, errors, gain, now, before)
+        compensate(samples, k, axis, scale, fixed, errors, sensitivity, now, before)
         if interval != step:
-            discretise_states(decay, driving, interval, hold, drive)
+            discretise_states(decay, driving, interval, decay_factor, driving_variance)
             step = interval
         gyro = now[0], now[1], now[2]
         accel = now[3], now[4], now[5]
         gyro_before, accel_before = (before[0], before[1], before[2]), (before[3], before[4], before[5])
         rotvec, delta_v = increments(gyro, accel, gyro_before, accel_before, interval, dt[k - 1])
-        push = rotate(nav[2], delta_v)
-        force = push[0] / interval, push[1] / interval, push[2] / interval
+        delta_v_n = rotate(nav[2], delta_v)
+        force_n = delta_v_n[0] / interval, delta_v_n[1] / interval, delta_v_n[2] / interval
         nav = local_step(nav[0], nav[1], nav[2], rotvec, delta_v, interval, constants.gravity)
         if stored:
-            transposed_transition(block.transposed[slot], work, mat, force, interval, axis, gain, hold, shift)
-        predict(covariance, work, mat, force, interval, axis, gain, hold, drive, noise_psd[k], shift)
-        for s in range(count):
-            errors[s] *= hold[s]
-        history.nis[k] = np.nan
-        since = since + interval if phase[k] > MOVING else 0.0
-        if phase[k] > MOVING:
-            slip = velocity_psd[k] / interval
-            velocity = seen[k, 0], seen[k, 1], seen[k, 2]
-            nav, history.nis[k] = _zero_velocity(
-                covariance, errors, velocity, gyro, slip, arms, row, spread, weight, nav, block, slot
+            transposed_transition(
+                block.transposed[slot], work, mat, force_n, interval, axis, sensitivity, decay_factor, shift
             )
-        if constants.floor_variance > 0 and since - interval < FLAT_S <= since:
-            nav = _floor_height(covariance, errors, constants.floor_variance, row, spread, weight, nav, block, slot)
+        predict(
+            covariance, work, mat, force_n, interval, axis, sensitivity, decay_factor, driving_variance,
+            noise_psd[k], shift,
+        )  # fmt: skip
+        for s in range(count):
+            errors[s] *= decay_factor[s]
+        history.nis[k] = np.nan
+        stance_s = stance_s + interval if phase[k] > MOVING else 0.0
+        if phase[k] > MOVING:
+            velocity_variance = velocity_psd[k] / interval
+            velocity = stance_velocity[k, 0], stance_velocity[k, 1], stance_velocity[k, 2]
+            nav, history.nis[k] = _zero_velocity(
+                covariance, errors, velocity, gyro, velocity_variance, arms, row, cross_covariance, gain, nav,
+                block, slot,
+            )  # fmt: skip
+        if constants.floor_variance > 0 and stance_s - interval < FLAT_S <= stance_s:
+            nav = _floor_height(
+                covariance, errors, constants.floor_variance, row, cross_covariance, gain, nav, block, slot
+            )
         if phase[k] == STILL:
             rate = samples[k, 0] - fixed[0], samples[k, 1] - fixed[1], samples[k, 2] - fixed[2]
-            sway = (
+            rate_variance = (
                 (white[0] + constants.rate_psd) / interval,
                 (white[1] + constants.rate_psd) / interval,
                 (white[2] + constants.rate_psd) / interval,
             )
-            nav, nis = _zero_rate(covariance, errors, rate, sway, axis, gain, row, spread, weight, nav, block, slot)
+            nav, nis = _zero_rate(
+                covariance, errors, rate, rate_variance, axis, sensitivity, row, cross_covariance, gain, nav,
+                block, slot,
+            )  # fmt: skip
             history.nis[k] += nis
         if len(fixes) and not np.isnan(fixes[k, 0]):
             fix = fixes[k, 0], fixes[k, 1], fixes[k, 2]
-            nav = _position(covariance, errors, fix, fix_noise, row, spread, weight, nav, block, slot)
+            nav = _position(covariance, errors, fix, fix_noise, row, cross_covariance, gain, nav, block, slot)
         mat = mat_from_quat(nav[2])
         write_epoch(history, k, nav, errors, covariance)
         if stored:
             block.covariance[slot] = covariance
     for i in range(10):
         start[i] = history.navigation[last - 1, i]
-    state.since[0] = since
+    state.stance_s[0] = stance_s
 
 
 def navigate(
@@ -468,7 +483,8 @@ class AlignedWalk:
         Since the weights stay, the innovations are linear in a small error of the samples or of ``velocity``
         (:func:`align`).
         """
-        return replace(self, inputs=self.inputs._replace(samples=_samples(log), seen=_velocity(log, velocity)))
+        inputs = self.inputs._replace(samples=_samples(log), stance_velocity=_velocity(log, velocity))
+        return replace(self, inputs=inputs)
 
     @property
     def names(self) -> list[str]:

@@ -33,7 +33,7 @@ def text(result: FileDiscovery, kind: str = "svg") -> str:
         "Where it leaves the final model:",
         _table(_places(found.unexplained)),
         f"![The surest place of each view before and after](surest.{kind})",
-        f"![Each place before and after](places.{kind})\n\nViews with a place, before (start model, held-in part) and "
+        f"![Each place before and after](places.{kind})\n\nViews with a place, before (start model, training part) and "
         f"after (final model, whole log). Line: the log. Band: where {1 - result.alpha:.0%} of simulated logs stay "
         "everywhere. Bars: the places. Probabilities much below one in a hundred are extrapolated from simulations.",
         "## Distance",

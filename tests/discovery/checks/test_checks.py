@@ -179,7 +179,7 @@ def test_noise_of_an_unnamed_slope_enters_the_model_as_a_power_law(exponent):
     assert not found.findings
     ends = found.power_law.parameters["exponent"]
     assert ends.low < exponent < ends.high
-    for one in (found.held_in_fit, found.whole_fit):
+    for one in (found.training_fit, found.whole_fit):
         assert [effect.name for effect in one.description.effects()] == ["white_noise", "power_law"]
     assert found.same_names
 

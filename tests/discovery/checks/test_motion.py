@@ -184,7 +184,7 @@ def test_the_search_stops_at_an_unnamed_function_of_the_motion_in_the_whole_log(
     ideal = turning()
     rate = ideal["gyro_x"].to_numpy()
     found = searched(kinds, "gyro_x", ideal, added=np.where(np.abs(rate) < 0.1 * rate.std(), -rate, 0.0))
-    early, whole = ([type(one) for one in part.description.effects()] for part in (found.held_in_fit, found.whole_fit))
+    early, whole = ([type(one) for one in part.description.effects()] for part in (found.training_fit, found.whole_fit))
     assert whole == early != [WhiteNoise]
     told_of = conclude(found)
     assert not told_of.findings

@@ -104,9 +104,9 @@ def test_a_split_that_leaves_nothing_is_refused(split):
         distances(measured, split, true, true)
 
 
-def fitted(measured, held_in, description):
-    conditions = Conditions(measured.index.to_numpy()[:held_in], INTERVAL, axis="gyro_x")
-    values = measured["gyro_x"].to_numpy()[:held_in]
+def fitted(measured, training, description):
+    conditions = Conditions(measured.index.to_numpy()[:training], INTERVAL, axis="gyro_x")
+    values = measured["gyro_x"].to_numpy()[:training]
     return fit(AxisSequence(values, conditions), description)
 
 

@@ -157,7 +157,7 @@ class HeldOutComparison:
     reference
         Error-free log at the same times, for a device in motion; None for a device at rest.
     level
-        Mean of each axis over the held-in part; default that of the measured values, which clipping would bias.
+        Mean of each axis over the training part; default that of the measured values, which clipping would bias.
     motion
         Error-free log beyond both ends too, index: time since the start [s]; default the reference alone.
     """
@@ -171,28 +171,28 @@ class HeldOutComparison:
     motion: pd.DataFrame | None = None
 
     @cached_property
-    def held_in(self) -> int:
-        """Return the number of samples of the held-in part; ValueError if either part has too few."""
-        held_in = int(np.searchsorted(self.measured.index.to_numpy(), self.split))
+    def training(self) -> int:
+        """Return the number of samples of the training part; ValueError if either part has too few."""
+        training = int(np.searchsorted(self.measured.index.to_numpy(), self.split))
         fewest = 4 * MIN_BLOCK_SAMPLES
-        if min(held_in, len(self.measured) - held_in) < fewest:
+        if min(training, len(self.measured) - training) < fewest:
             raise ValueError(
-                f"split: expected {fewest} samples on either side; found {held_in} before {self.split:g} s"
+                f"split: expected {fewest} samples on either side; found {training} before {self.split:g} s"
             )
-        return held_in
+        return training
 
     @cached_property
     def course(self) -> drift.StaticNavigation | None:
-        """Return the navigation of the held-out part, with biases estimated on the held-in part.
+        """Return the navigation of the held-out part, with biases estimated on the training part.
 
         None for a device in motion or without all six axes.
         """
         if self.reference is not None or not all(axis in self.measured for axis in log.AXES):
             return None
         interval = log.interval(self.measured)
-        length = (len(self.measured) - self.held_in - 1) // EPOCHS * EPOCHS
+        length = (len(self.measured) - self.training - 1) // EPOCHS * EPOCHS
         return drift.StaticNavigation(
-            ASSUMED_SITE, False, self.held_in * interval, length * interval, length // EPOCHS * interval
+            ASSUMED_SITE, False, self.training * interval, length * interval, length // EPOCHS * interval
         )
 
     def statistics(self) -> LogStatistics:
@@ -220,7 +220,7 @@ class HeldOutComparison:
 
     def _summary(self, table: pd.DataFrame) -> LogStatistics:
         """Return the statistics of the log or of a simulation of it."""
-        first, errors, scale = self.held_in, self._errors(table), self._scale
+        first, errors, scale = self.training, self._errors(table), self._scale
         views = {axis: _views(x[first:], x[:first].mean(), scale[axis]) for axis, x in errors.items()}
         return LogStatistics(views, None if self.course is None else self._path(table))
 
@@ -235,11 +235,11 @@ class HeldOutComparison:
 
     @cached_property
     def _scale(self) -> dict[str, float]:
-        """Return the standard deviation of the measured errors of the held-in part."""
-        return {axis: values[: self.held_in].std() for axis, values in self._errors(self.measured).items()}
+        """Return the standard deviation of the measured errors of the training part."""
+        return {axis: values[: self.training].std() for axis, values in self._errors(self.measured).items()}
 
     def _simulations(self, name: str, seed: int, numbers: Iterable[int]) -> Iterator[pd.DataFrame]:
-        """Simulate the whole log, of which the held-out part is the continuation of the held-in one.
+        """Simulate the whole log, of which the held-out part is the continuation of the training part.
 
         Both models get the same random numbers, so that models that are alike are at the same distance.
         """
@@ -276,7 +276,7 @@ class HeldOutComparison:
     def _levels(self) -> Mapping[str, float]:
         if self.level is not None:
             return self.level
-        return {axis: float(self.measured[axis].iloc[: self.held_in].mean()) for axis in log.axes(self.measured)}
+        return {axis: float(self.measured[axis].iloc[: self.training].mean()) for axis in log.axes(self.measured)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -315,7 +315,7 @@ def distribution(
 
 
 def _views(values: np.ndarray, level: float, scale: float) -> list[np.ndarray]:
-    """Return the statistics of the held-out values of one axis; ``level`` is the mean of the held-in ones.
+    """Return the statistics of the held-out values of one axis; ``level`` is the mean of the training parts.
 
     ``scale`` is the standard deviation of the measured values, which sets the bounds below which samples are counted:
     on a lattice these shares are binomial, while quantiles jump.

@@ -37,7 +37,7 @@ def compare_held_out(
 
     Where an effect is found in the last part only, the parameters of its axis come from the whole log.
     """
-    fits = {axis: result.held_in_fit if result.same_names else result.whole_fit for axis, result in results.items()}
+    fits = {axis: result.training_fit if result.same_names else result.whole_fit for axis, result in results.items()}
     before = UncertainModel.of(of_one_run(start), {axis: result.start_fit for axis, result in results.items()})
     return _compared(record, HELD_IN_SHARE, before, UncertainModel.of(of_one_run(model(fits)), fits))
 
@@ -60,9 +60,9 @@ def compare_test_run(
 
 def _compared(record: PreparedLog, share: float, before: UncertainModel, after: UncertainModel) -> HeldOutComparison:
     conditions = next(iter(record.sequences.values())).conditions
-    held_in = int(share * len(conditions))
-    split = float(conditions.time[held_in])
-    level = {axis: float(sequence.values[:held_in].mean()) for axis, sequence in record.sequences.items()}
+    training = int(share * len(conditions))
+    split = float(conditions.time[training])
+    level = {axis: float(sequence.values[:training].mean()) for axis, sequence in record.sequences.items()}
     measured, reference = from_samples(record.outputs, conditions.interval), None
     if conditions.ideal is not None:
         reference = conditions.ideal.set_axis(measured.index)

@@ -31,7 +31,7 @@ from imugap.kinematics.earth import ROTATION_RATE
 from imugap.log import ACCEL, GYRO, TIME
 from imugap.model import ErrorModel, offset_of
 
-OFFSET = next(kind for kind in CATALOGUE.values() if kind.role is Role.BIAS)
+BIAS = next(kind for kind in CATALOGUE.values() if kind.role is Role.BIAS)
 """Kind of the constant level of an axis."""
 UNTOUCHED = 1e-6
 """Largest change of a sample, over the range of the samples, that is none."""
@@ -357,7 +357,7 @@ class _Axis:
     def _level(self, level: float) -> Iterator[StartParameter]:
         """Yield the constant bias."""
         biases = [one for one in self.effects if one.role is Role.BIAS]
-        given = OFFSET(sum(one.value for one in biases))
+        given = BIAS(sum(one.value for one in biases))
         if not biases and self.keys is not None and not any(key.kind.role is Role.BIAS for key in self.keys):
             return
         (number,) = self.numbers(given)
@@ -368,8 +368,8 @@ class _Axis:
             return
         level_of, error = self._mean_level()
         unknown = ROTATION_RATE if self.resting and self.name in GYRO else 0.0
-        scale = abs(number.of(OFFSET(1.0)))
-        row = self._normal(given, number, number.of(OFFSET(level_of)), scale * error, scale * unknown, level)
+        scale = abs(number.of(BIAS(1.0)))
+        row = self._normal(given, number, number.of(BIAS(level_of)), scale * error, scale * unknown, level)
         if not biases:
             missing = row.agreement is Comparison.DIFFERS
             if missing:
