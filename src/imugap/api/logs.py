@@ -126,6 +126,7 @@ def read(
     rate: float | None = None,
     time_unit: str | None = None,
     topic: str | None = None,
+    rows: tuple[int, int] | None = None,
 ) -> DeviceLog:
     """Read the recording of a device in any known format; what is not given is recognised from the file.
 
@@ -148,6 +149,8 @@ def read(
         Unit of the stamps.
     topic
         Topic of a bag, or message of a log, with the samples.
+    rows
+        ``(1, 2)`` for the first of each two rows, where those of two devices alternate; ``(1, 1)`` for one device.
 
     Raises
     ------
@@ -156,7 +159,7 @@ def read(
     """
     if isinstance(source, DeviceLog):
         return source
-    given = RecordingSettings(tuple(columns), dict(units or {}), frame, rate, time_unit, topic)
+    given = RecordingSettings(tuple(columns), dict(units or {}), frame, rate, time_unit, topic, rows)
     settings = given if settings is None else settings
     if isinstance(source, pd.DataFrame):
         return DeviceLog(recordings.of_table(source, settings), settings, source)

@@ -12,6 +12,7 @@ from imugap.interchange.plugins import catalogue
 from imugap.interchange.start_models.catalogue import ModelFile
 from imugap.io import configuration
 from imugap.io.recognition.frame import AS_IS
+from imugap.io.recognition.settings import given_rows
 from imugap.io.recognition.unit_text import QUANTITIES
 from imugap.io.recognition.units import given_units
 from imugap.io.recording import RecordingSettings
@@ -46,6 +47,9 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--topic", help="topic of a bag, message of a log, group of columns, or number of a run, with the samples"
     )
+    group.add_argument(
+        "--rows", metavar="K/N", help="row K of each N, where the rows of N devices alternate; 1/1 for one device"
+    )
     group.add_argument("--reading", metavar="YAML", help="file with these options as keys")
 
 
@@ -54,12 +58,13 @@ def settings_of(options: argparse.Namespace) -> RecordingSettings:
     kept = {} if options.reading is None else configuration.read(options.reading, SCHEMA)
     given = {
         "columns": options.columns, "units": options.units, "frame": options.frame, "rate": options.sampling_rate,
-        "time_unit": options.time_unit, "topic": options.topic,
+        "time_unit": options.time_unit, "topic": options.topic, "rows": options.rows,
     }  # fmt: skip
     values = kept | {name: value for name, value in given.items() if value is not None}
     return RecordingSettings(
         tuple(values.get("columns") or ()), given_units(values.get("units") or ()), values.get("frame"),
         values.get("rate"), values.get("time_unit"), values.get("topic"),
+        None if values.get("rows") is None else given_rows(values["rows"]),
     )  # fmt: skip
 
 

@@ -1,6 +1,6 @@
-"""Rows of several devices in one table, where a column says of which device each row is."""
+"""Rows of several devices in one table, where a column says of which device each row is, or their order does."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
 
@@ -8,6 +8,8 @@ import numpy as np
 
 from imugap.io.formats.source import Source, whole_file
 from imugap.io.recognition.column_names import words_of
+from imugap.io.recognition.interleaved import Interleaved, interleaved, order_changes
+from imugap.io.recognition.samples import STRETCH, STRETCHES
 from imugap.log import LogError
 
 NAMING = frozenset([
@@ -36,6 +38,54 @@ def one_device(source: Source, topic: str | None) -> Source:
             raise LogError(source.path, f"column {source.names[column]}", expected, found)
         return _rows_of(source, column, topic)
     return source
+
+
+def require_one_device(source: Source, samples: Sequence[np.ndarray], stamps: Sequence[np.ndarray | None]) -> None:
+    """Raise a LogError where the rows of a stretch are of devices that alternate.
+
+    ``samples``, shape (n, axes), and ``stamps``, shape (n,) or None, of each stretch of rows.
+    """
+    found = next(filter(None, map(interleaved, samples, stamps)), None)
+    if found is not None:
+        raise LogError(source.path, "rows", f"one device ({_choices(found)})", found.evidence)
+
+
+def _choices(found: Interleaved) -> str:
+    """Return the readings of rows that alternate, and the options that decide."""
+    one = "--rows 1/1 takes all as of one, which then vibrates at a fraction of its rate"
+    if found.devices is None:
+        return f"a file of each, or a column that names the device of each row; {one}"
+    return f"--rows 1/{found.devices} takes the first of {found.devices} devices, and so on; {one}"
+
+
+def stretches_of(rows: int) -> list[slice]:
+    """Return stretches spread over rows."""
+    last = max(rows - STRETCH, 0)
+    begins = sorted({int(begin) for begin in np.linspace(0, last, STRETCHES if last else 1)})
+    return [slice(begin, begin + STRETCH) for begin in begins]
+
+
+def every_row(source: Source, columns: Sequence[int], rows: tuple[int, int]) -> Source:
+    """Return one row of some, ``(1, 2)`` the first of each two; LogError where their order by ``columns`` changes."""
+    number, devices = rows
+    if devices == 1:
+        return source
+    changed = order_changes(source.load(columns, None)[0].T, devices)
+    if changed is not None:
+        expected = f"rows of {devices} devices in one order (a row may be lost; split the file there)"
+        raise LogError(source.path, f"rows near {source.place(changed)}", expected, "another order than before")
+
+    def batches(chosen):
+        first = number - 1
+        for values in source.batches(chosen):
+            count = len(values[0])
+            yield [one[first::devices] for one in values]
+            first = (first - count) % devices
+
+    notes = (*source.notes, f"row {number} of {devices}")
+    return replace(
+        source, batches=batches, cells=None, place=lambda row: source.place(row * devices + number - 1), notes=notes
+    )
 
 
 def _require_one_sensor(source: Source) -> None:

@@ -23,7 +23,7 @@ import numpy as np
 import pandas as pd
 
 from imugap.integrity.regular import Regular, regular
-from imugap.io.devices import one_device
+from imugap.io.devices import every_row, one_device, require_one_device, stretches_of
 from imugap.io.formats.catalogue import open_source
 from imugap.io.formats.memory import table_source
 from imugap.io.formats.source import Source, sha256_of
@@ -38,6 +38,8 @@ SAMPLE_ROWS = 2000
 """Rows on which a column of stamps has to advance, where there are several."""
 LARGEST_WHOLE = 2**62
 """Stamps below it are kept as whole numbers."""
+ALL = 1, 1
+"""Rows of one device (:attr:`imugap.io.recognition.settings.RecordingSettings.rows`)."""
 SHOWN = 3
 """Columns that are left out and named."""
 
@@ -143,7 +145,11 @@ def stream(path: str | Path, settings: RecordingSettings = DEFAULTS) -> tuple[Co
     source = _opened(Path(path), settings)
     try:
         selection = _selected(source, settings)
-        excerpt, raw = _stretches(source, selection)
+        source = _of_rows(source, selection, settings)
+        stretches = _stretches(source, selection)
+        _require_one_device(source, stretches, selection, settings)
+        excerpt = dict(zip(selection.assignment.columns, np.hstack([one for one, _ in stretches]), strict=True))
+        raw = None if selection.stamp is None else np.concatenate([stamps for _, stamps in stretches])
         _require_clock(source, raw)
         found = _conversion(selection, excerpt, raw, settings)
     except LogError as error:
@@ -171,6 +177,11 @@ class Selection:
         return [self.names.index(column) for column in self.assignment.columns.values()]
 
     @property
+    def inertial(self) -> list[int]:
+        """Return the positions of the inertial axes among the columns that are read."""
+        return [k for k, name in enumerate(self.assignment.columns) if name in AXES]
+
+    @property
     def stamp_name(self) -> str | None:
         """Return the name of the column of stamps, None where there is none."""
         return None if self.stamp is None else self.names[self.stamp]
@@ -184,12 +195,21 @@ def _opened(path: Path, settings: RecordingSettings) -> Source:
     return source if settings.topic is None or source.topic is not None else source.group(settings.topic)
 
 
+def _of_rows(source: Source, selection: Selection, settings: RecordingSettings) -> Source:
+    """Return the rows of one device, where the user says that those of several alternate."""
+    places = [selection.places[k] for k in selection.inertial]
+    return source if settings.rows is None else every_row(source, places, settings.rows)
+
+
 def _recognised(source: Source, settings: RecordingSettings) -> Recording:
     """Name, load, convert and turn the columns of a file."""
     selection = _selected(source, settings)
+    source = _of_rows(source, selection, settings)
     block, raw = source.load(selection.places, selection.stamp)
     columns = list(selection.assignment.columns)
     _require_sound(source, dict(zip(columns, block, strict=True)), raw)
+    parts = [(block[:, rows], None if raw is None else raw[rows]) for rows in stretches_of(block.shape[1])]
+    _require_one_device(source, parts, selection, settings)
     table = pd.DataFrame(block.T, columns=columns, copy=False)
     if source.canonical:
         return Recording(source.path, table.set_index(pd.Index(raw, name=TIME)), place=source.place)
@@ -233,8 +253,15 @@ def _conversion(selection: Selection, excerpt: dict, raw: np.ndarray | None, set
     return conversion(excerpt, raw, selection.stamp_name or selection.rate, selection.assignment, settings)
 
 
-def _stretches(source: Source, selection: Selection) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
-    """Return stretches spread over the columns, and over the stamps, of a file."""
+def _require_one_device(source: Source, stretches: list, selection: Selection, settings: RecordingSettings) -> None:
+    """Raise a LogError where the rows of stretches, columns and stamps of each, are of devices that alternate."""
+    if not source.canonical and settings.rows != ALL:
+        samples = [columns[selection.inertial].T for columns, _ in stretches]
+        require_one_device(source, samples, [raw for _, raw in stretches])
+
+
+def _stretches(source: Source, selection: Selection) -> list[tuple[np.ndarray, np.ndarray | None]]:
+    """Return stretches spread over a file: their columns, shape (columns, rows), and their stamps, shape (rows,)."""
     due = list(np.linspace(0, source.rows, samples.STRETCHES, endpoint=False))
     kept, row = [], 0
     for batch in source.all_batches(selection.places, selection.stamp):
@@ -242,9 +269,8 @@ def _stretches(source: Source, selection: Selection) -> tuple[dict[str, np.ndarr
         if due and row > due[0]:
             kept.append([values[: samples.STRETCH].copy() for values in batch])
             due = [one for one in due if one >= row]
-    whole = [np.concatenate(parts) for parts in zip(*kept, strict=True)]
-    raw = None if selection.stamp is None else whole.pop()
-    return dict(zip(selection.assignment.columns, map(np.asarray, whole), strict=True)), raw
+    stamps = [None if selection.stamp is None else one.pop() for one in kept]
+    return list(zip([np.array(one, float) for one in kept], stamps, strict=True))
 
 
 def _parts(source: Source, selection: Selection, found: Conversion) -> Iterator[pd.DataFrame]:

@@ -28,7 +28,7 @@ def test_the_folder_or_any_of_its_three_files_is_one_log(tmp_path, prefix):
 
 
 def test_a_log_is_read_in_parts_of_files_of_different_width(tmp_path):
-    folder = write_simulated(tmp_path / "run", np.tile(SAMPLES, (60, 1)))
+    folder = write_simulated(tmp_path / "run", at_rest(60 * COUNT, up=(0, 0, -1)))
     parts = list(stream(folder)[1])
     assert len(parts) > 2
     assert sum(map(len, parts)) == 60 * COUNT

@@ -24,6 +24,9 @@ class RecordingSettings:
         Unit of the stamps.
     topic
         Topic of a bag, or message of a log, that holds the samples.
+    rows
+        Of how many devices the rows alternate, and which is read: ``(1, 2)`` takes the first of each two rows; ``(1,
+        1)`` takes all as of one device (:func:`given_rows`).
     """
 
     columns: tuple[str, ...] = ()
@@ -32,6 +35,15 @@ class RecordingSettings:
     rate_hz: float | None = None
     time_unit: str | None = None
     topic: str | None = None
+    rows: tuple[int, int] | None = None
+
+
+def given_rows(text: str) -> tuple[int, int]:
+    """Return which row of how many is read from ``1/2``; ValueError where it is none."""
+    number, _, devices = text.partition("/")
+    if not (number.isdecimal() and devices.isdecimal() and 1 <= int(number) <= int(devices)):
+        raise ValueError(f"--rows: expected one row of some, such as 1/2; found {text!r}")
+    return int(number), int(devices)
 
 
 DEFAULTS = RecordingSettings()
