@@ -36,7 +36,9 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         help="separated by commas: a name for each column from left to right (time, gyro_x ..., - for one that is not "
         "read), or canonical=name in the file, or the columns to read",
     )  # fmt: skip
-    group.add_argument("--units", type=_listed, metavar="UNITS", help="such as gyro=deg/s,accel=g, or accel=g/16384")
+    group.add_argument(
+        "--units", type=_listed, metavar="UNITS", help="such as gyro=deg/s,accel=g, accel=g/16384, accel=-g"
+    )
     group.add_argument(
         "--frame", help=f"where x, y and z point (FLU, FRD, NED, ENU ...), roll,pitch,heading [deg], or {AS_IS}"
     )

@@ -27,6 +27,7 @@ from imugap.io.devices import every_row, one_device, require_one_device, stretch
 from imugap.io.formats.catalogue import open_source
 from imugap.io.formats.memory import table_source
 from imugap.io.formats.source import Source, sha256_of
+from imugap.io.gravity_columns import with_gravity
 from imugap.io.recognition import column_names, frame, samples, stamps
 from imugap.io.recognition.column_names import SKIP, Assignment
 from imugap.io.recognition.conversion import Conversion, asked, conversion
@@ -189,7 +190,7 @@ class Selection:
 
 def _opened(path: Path, settings: RecordingSettings) -> Source:
     """Return the columns of a file, those of a group, and the rows of a device, where one is asked for."""
-    source = open_source(path, settings)
+    source = with_gravity(open_source(path, settings))
     if source.topic is None:
         source = one_device(source, settings.topic)
     return source if settings.topic is None or source.topic is not None else source.group(settings.topic)

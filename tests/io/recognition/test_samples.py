@@ -7,6 +7,7 @@ from tests.io.devices import at_rest, write_text
 
 from imugap.io.recording import RecordingSettings, read
 from imugap.log import AXES, LogError
+from imugap.stream import stream
 
 COUNT = 3000
 LOUD = [3.0, 3.0, 3.0, 1.0, 1.0, 1.0]
@@ -73,3 +74,29 @@ def test_stamps_with_a_decimal_point_or_of_a_year_are_seconds(tmp_path):
     rows = [f"{1_700_000_000 + k},{row.partition(',')[2]}" for k, row in enumerate(rows)]
     path.write_text(head + "".join(rows))
     assert rate_of(read(path)) == pytest.approx(1)
+
+
+def test_uneven_milliseconds_are_not_taken_for_seconds(tmp_path):
+    late = np.abs(stream(5, "late stamps").standard_normal(COUNT)) * 0.1
+    path = written(tmp_path, at_rest_down(factors=0.1), np.arange(COUNT) + late)
+    with pytest.raises(
+        LogError, match=r"expected the unit of the stamps \(--time-unit decides\).* Hz in s or .* Hz in ms"
+    ):
+        read(path)
+    assert rate_of(read(path, RecordingSettings(time_unit="ms"))) == pytest.approx(1000, rel=0.01)
+
+
+@pytest.mark.parametrize(("clock", "size"), [("time_ms", 1e3), ("time_us", 1e6), ("t_ns", 1e9)])
+def test_a_unit_in_the_name_of_the_stamps_counts_and_noise_alone_makes_no_degrees_of_canonical_rates(
+    tmp_path, clock, size
+):
+    samples = at_rest(COUNT)
+    samples[:, :3] *= 40
+    path = write_text(
+        tmp_path / "run.csv", [clock, *AXES], np.column_stack([np.arange(COUNT) * size / 100, samples]), form="{:.15g}"
+    )
+    with pytest.raises(LogError, match=r"names of rates in rad/s, but noise at rest of .* is that of deg/s"):
+        read(path)
+    found = read(path, RecordingSettings(units={"gyro": "rad/s"}))
+    assert rate_of(found) == pytest.approx(100)
+    assert f"stamps {clock[-2:]} -> s from the header" in found.recognised

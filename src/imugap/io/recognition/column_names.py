@@ -49,6 +49,8 @@ OF_SENSOR, OF_HOST = (
     frozenset(["update", "log", "logging", "received", "receive", "recv", "host", "system", "arrival", "gps", "file"]),
 )
 """Words of stamps that the sensor gave, and of those that something later gave."""
+CORE_MOTION = frozenset(["user", "acceleration"]), frozenset(["accelerometer", "acceleration"])
+"""Words that names of Core Motion of Apple have together; in its accelerations gravity points down."""
 DELTA = frozenset(["delta", "d", "inc", "increment", "dtheta", "dv", "dvel", "da", "coning", "sculling"])
 """Words of increments over the sampling interval."""
 DELTAS = {
@@ -130,6 +132,9 @@ class Assignment:
         Names in the file of counters of samples.
     contract
         Whether every name is the canonical one, which promises SI.
+    downward
+        Whether names are those of Core Motion, in whose accelerations gravity points down: -1 g along the axis that
+        points up in a device at rest, where the specific force is 1 g.
     """
 
     columns: dict[str, str]
@@ -138,6 +143,7 @@ class Assignment:
     free: bool = False
     counters: tuple[str, ...] = ()
     contract: bool = False
+    downward: bool = False
 
 
 def meaning(name: str) -> Meaning | None:
@@ -193,7 +199,8 @@ def assign(names: Sequence[str]) -> Assignment:
     counters = tuple(name for name, found in known.items() if found.quantity == "counter")
     ordered = {name: columns[name] for name in COLUMNS if name in columns}
     contract = all(name == of for name, of in ordered.items()) and (not times or TIME in times)
-    return Assignment(ordered, units, tuple(times), free, counters, contract)
+    downward = any(one.issubset(parts_of(name)[0]) for one in CORE_MOTION for name in names)
+    return Assignment(ordered, units, tuple(times), free, counters, contract, downward)
 
 
 def _counted_from_zero(known: dict[str, Meaning]) -> dict[str, Meaning]:
@@ -274,6 +281,12 @@ def _unbracketed(name: str) -> tuple[str, str | None]:
         return name, None
     unit = unit_of(found[1])
     return name[: found.start()], found[1] if unit is None and QUOTIENT.fullmatch(found[1]) else unit
+
+
+def parts_of(name: str) -> tuple[list[str], str | None]:
+    """Return the words of a name, in small letters, and the unit in brackets behind them."""
+    base, unit = _unbracketed(name.strip())
+    return words_of(base), unit
 
 
 def words_of(base: str) -> list[str]:

@@ -84,6 +84,7 @@ def conversion(
     sizes, sentences, weightless = {}, [], False
     if accel is not None:
         unit = units.accel_unit(accel, rate, settings.units.get("accel"), assignment.units.get("accel"), contract)
+        unit = units.downward(unit) if assignment.downward and not settings.units.get("accel") else unit
         sizes |= dict.fromkeys(ACCEL, unit.to_si(rate))
         sentences += [] if unit.evidence is None else [unit.sentence("accel")]
         accel = accel * unit.to_si(rate) if accel.shape[1] == len(ACCEL) else None
@@ -91,7 +92,10 @@ def conversion(
     if accel is not None and gyro is not None and gyro.shape[1] == len(GYRO) and not settings.columns:
         _require_turns(gyro, accel, rate)
     if gyro is not None:
-        unit = units.gyro_unit(gyro, accel, rate, settings.units.get("gyro"), assignment.units.get("gyro"), contract)
+        promised = all(name == of for name, of in assignment.columns.items() if name in GYRO) and not settings.columns
+        unit = units.gyro_unit(
+            gyro, accel, rate, settings.units.get("gyro"), assignment.units.get("gyro"), contract, promised
+        )
         sizes |= dict.fromkeys(GYRO, unit.to_si(rate))
         sentences = [*([] if unit.evidence is None else [unit.sentence("gyro")]), *sentences]
     if assignment.free or (force is not None and units.without_gravity(force, 1.0)):
@@ -143,21 +147,27 @@ def _time_unit(
 
 
 def _may_be_counted(raw: np.ndarray) -> bool:
-    """Return whether stamps are whole numbers at a rate that few sensors have in seconds, but many in milliseconds."""
-    return raw.dtype.kind == "i" and len(raw) >= stamps.FEWEST and 1 / stamps.step_of(raw) < stamps.SLOWEST_HZ
+    """Return whether stamps have a rate that few sensors have in seconds, but many in milliseconds.
+
+    Whole numbers with a decimal point are seconds: a counter has none.
+    """
+    if len(raw) < stamps.FEWEST or 1 / stamps.step_of(raw) >= stamps.SLOWEST_HZ:
+        return False
+    finite = raw[np.isfinite(raw)]
+    return raw.dtype.kind == "i" or bool((finite != np.rint(finite)).any())
 
 
 def _counted_unit(
     values: Mapping[str, np.ndarray], raw: np.ndarray, stamp: str, assignment: Assignment, settings: RecordingSettings
 ) -> tuple[str, str]:
-    """Return whether whole stamps are seconds or milliseconds, and what shows it; LogError where nothing does."""
+    """Return whether stamps are seconds or milliseconds, and what shows it; LogError where nothing does."""
     step = stamps.step_of(raw)
     rates = {"s": 1 / step, "ms": 1e3 / step}
     unit = settings.units.get("gyro") or assignment.units.get("gyro") or units.SI["gyro"]
     found = samples.time_unit(_triad(values, GYRO), _triad(values, ACCEL), unit, rates, len(raw))
     if found is None:
         readings = " or ".join(f"{rate:.4g} Hz in {name}" for name, rate in rates.items())
-        expected = "the unit of stamps that are whole numbers (--time-unit decides)"
+        expected = "the unit of the stamps (--time-unit decides)"
         raise LogError("log", f"column {stamp}", expected, f"a step of {step:.6g}: {readings}")
     return found.unit, found.reason
 

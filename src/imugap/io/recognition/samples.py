@@ -153,11 +153,12 @@ def other_reading(force: Force, rate_hz: float) -> str:
 
 @dataclass(frozen=True)
 class RateEvidence:
-    """Unit of angular rates by physics, the reason, and whether it outweighs the word of a header."""
+    """Unit by physics, the reason, whether it outweighs the word of a header, and whether it is the noise at rest."""
 
     unit: str
     reason: str
     strong: bool = True
+    noise: bool = False
 
 
 def gyro_unit(gyro: np.ndarray, accel: np.ndarray | None, rate_hz: float) -> RateEvidence | None:
@@ -301,7 +302,8 @@ def _at_rest(gyro: np.ndarray, accel: np.ndarray | None, rate_hz: float) -> Rate
     density = _density(gyro[rest], block, rate_hz)
     calm = accel is None or _density(accel[rest], block, rate_hz) < SHAKEN
     if density > LOUD and calm:
-        return RateEvidence("deg/s", f"noise at rest of {density:.2g} per sqrt(Hz)", strong=accel is not None)
+        reason = f"noise at rest of {density:.2g} per sqrt(Hz)"
+        return RateEvidence("deg/s", reason, strong=accel is not None, noise=True)
     mean = float(np.linalg.norm(gyro[rest].mean(axis=0)))
     earth = [
         unit

@@ -20,6 +20,8 @@ KELVINS = 200.0, 400.0
 SI = {"gyro": "rad/s", "accel": "m/s^2", "temperature": "degC"}
 PLACES = {"gyro": "columns gyro_x to gyro_z", "accel": "columns accel_x to accel_z"}
 TRIADS = {"gyro": GYRO, "accel": ACCEL}
+OPPOSITE = "-"
+"""Before the unit of a quantity of the other sign, such as accelerations in which gravity points down."""
 COUNTED_RATES = "counts of a converter (--units gyro=deg/s/131 for 131 counts per deg/s)"
 
 
@@ -40,8 +42,8 @@ class Unit:
 
     def to_si(self, rate_hz: float) -> float:
         """Return the factor to SI; increments over the sampling interval become means over it."""
-        base, _, counts = self.name.partition("//")
-        size = factor(base) / (float(counts) if counts else 1.0)
+        base, _, counts = self.name.removeprefix(OPPOSITE).partition("//")
+        size = factor(base) / (float(counts) if counts else 1.0) * (-1.0 if self.name.startswith(OPPOSITE) else 1.0)
         return size * rate_hz if base in INCREMENTS else size
 
     def sentence(self, quantity: str) -> str:
@@ -55,18 +57,31 @@ class Unit:
 
 
 def given_units(texts) -> dict[str, str]:
-    """Return units by quantity from ``gyro=deg/s`` or plain ``deg/s``; ``accel=g/16384`` is counts per g."""
+    """Return units by quantity from ``gyro=deg/s`` or plain ``deg/s``.
+
+    ``accel=g/16384`` is counts per g, ``accel=-g`` accelerations in which gravity points down.
+    """
     units = {}
     for text in texts:
-        quantity, _, unit = text.rpartition("=")
+        quantity, _, whole = text.rpartition("=")
+        unit = whole.removeprefix(OPPOSITE)
         counts = re.fullmatch(r"(.*[a-z^)\]²°].*)/(\d+\.?\d*)", unit)
         known = unit_of(counts[1] if counts else unit)
         found = None if known is None else quantity_of(known)
         if found not in SI or (quantity and quantity != found):
             expected = "; ".join(f"{name}: {', '.join(QUANTITIES[name])}" for name in SI)
             raise ValueError(f"--units: expected units such as gyro=deg/s accel=g ({expected}); found {text!r}")
-        units[found] = f"{known}//{counts[2]}" if counts else known
+        sign = OPPOSITE if whole != unit and found in TRIADS else ""
+        units[found] = f"{sign}{known}//{counts[2]}" if counts else f"{sign}{known}"
     return units
+
+
+def downward(unit: Unit) -> Unit:
+    """Return a unit of accelerations of Core Motion as that of the specific force; LogError where it is not g."""
+    if unit.name == "g":
+        return Unit(f"{OPPOSITE}g", f"{unit.evidence}, the sign from the names of Core Motion: gravity points down")
+    expected = "g by the names of Core Motion (--units accel=m/s^2, or accel=-m/s^2 where gravity points down, decides)"
+    raise LogError("log", PLACES["accel"], expected, unit.name)
 
 
 def accel_unit(accel: np.ndarray, rate_hz: float, given: str | None, stated: str | None, contract: bool) -> Unit:
@@ -115,11 +130,22 @@ def without_gravity(force: samples.Force, size: float) -> bool:
 
 
 def gyro_unit(
-    gyro: np.ndarray, accel: np.ndarray | None, rate_hz: float, given: str | None, stated: str | None, contract: bool
+    gyro: np.ndarray,
+    accel: np.ndarray | None,
+    rate_hz: float,
+    given: str | None,
+    stated: str | None,
+    contract: bool,
+    canonical: bool = False,
 ) -> Unit:
     """Return the unit of angular rates, shape (n, axes); LogError where nothing decides or physics contradicts.
 
-    ``accel`` is the specific force [m/s^2], shape (n, 3), or None.
+    Parameters
+    ----------
+    accel
+        Specific force [m/s^2], shape (n, 3), or None.
+    canonical
+        Whether their names alone are those of the contract: then a noise of deg/s does not decide.
     """
     if given:
         return Unit(given, "the option")
@@ -133,6 +159,8 @@ def gyro_unit(
     found = samples.gyro_unit(gyro, accel, rate_hz)
     if named is None and found is None:
         raise _undecided("gyro", "rates that may be in rad/s or in deg/s")
+    if named is None and canonical and found.unit != SI["gyro"] and found.noise:
+        raise _undecided("gyro", f"names of rates in {SI['gyro']}, but {found.reason}, which is that of {found.unit}")
     if named is None:
         return Unit(found.unit, found.reason)
     if found is None or found.unit == named.name:
