@@ -226,12 +226,12 @@ def test_axes_of_the_wrong_sign_are_refused_and_taken_by_name(tmp_path, signs):
 
 
 def test_lines_of_several_sensors_below_the_header_of_one_are_refused(tmp_path):
-    lines = ["# ACCE;time;Acc_X(m/s^2);Acc_Y(m/s^2);Acc_Z(m/s^2)", "# GYRO;time;Gyr_X(rad/s);Gyr_Y(rad/s);Gyr_Z(rad/s)"]
+    lines = ["# IMUA;time;Acc_X(m/s^2);Acc_Y(m/s^2);Acc_Z(m/s^2)", "# IMUB;time;Gyr_X(rad/s);Gyr_Y(rad/s);Gyr_Z(rad/s)"]
     for time, row in zip(times(), at_rest(), strict=True):
         lines += [
             ";".join([tag, *(f"{value:.6f}" for value in (time, *part))])
-            for tag, part in (("ACCE", row[3:]), ("GYRO", row[:3]))
+            for tag, part in (("IMUA", row[3:]), ("IMUB", row[:3]))
         ]
     (tmp_path / "app.txt").write_text("\n".join(lines) + "\n")
-    with pytest.raises(LogError, match=r"expected lines of one sensor .*; found lines of ACCE, GYRO"):
+    with pytest.raises(LogError, match=r"expected lines of one sensor .*; found lines of IMUA, IMUB"):
         read(tmp_path / "app.txt")

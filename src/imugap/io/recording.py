@@ -33,6 +33,7 @@ from imugap.io.recognition.column_names import SKIP, Assignment
 from imugap.io.recognition.conversion import Conversion, asked, conversion
 from imugap.io.recognition.settings import DEFAULTS, RecordingSettings
 from imugap.io.rows import advances, require_numbers, require_order, require_range
+from imugap.io.split_stamps import with_stamps
 from imugap.log import AXES, TIME, LogError, check
 
 SAMPLE_ROWS = 2000
@@ -190,7 +191,7 @@ class Selection:
 
 def _opened(path: Path, settings: RecordingSettings) -> Source:
     """Return the columns of a file, those of a group, and the rows of a device, where one is asked for."""
-    source = with_gravity(open_source(path, settings))
+    source = with_stamps(with_gravity(open_source(path, settings)))
     if source.topic is None:
         source = one_device(source, settings.topic)
     return source if settings.topic is None or source.topic is not None else source.group(settings.topic)

@@ -7,7 +7,7 @@ import pytest
 from tests.io.devices import RATE, at_rest
 
 from imugap.io.fixes import reading
-from imugap.io.recording import read
+from imugap.io.recording import RecordingSettings, read
 from imugap.log import ACCEL, GYRO, LogError
 
 COUNT = 400
@@ -15,7 +15,10 @@ START_NS = 1_767_620_467_350_470_700
 GRAVITY = np.array([0.0, 0.0, 9.80665])
 
 
-def sensor_logger(folder, samples, late_ns=0, files=("Gyroscope", "Accelerometer", "Gravity", "TotalAcceleration")):
+ALL = ("Gyroscope", "Accelerometer", "Gravity", "TotalAcceleration")
+
+
+def sensor_logger(folder, samples, late_ns=0, files=ALL, platform=",android"):
     """Write the files of Sensor Logger: columns z, y, x, and an accelerometer without gravity."""
     stamps = START_NS + (np.arange(COUNT) / RATE * 1e9).astype(np.int64)
     parts = {
@@ -23,7 +26,7 @@ def sensor_logger(folder, samples, late_ns=0, files=("Gyroscope", "Accelerometer
         "TotalAcceleration": samples[:, 3:], "AccelerometerUncalibrated": samples[:, 3:],
     }  # fmt: skip
     folder.mkdir()
-    (folder / "Metadata.csv").write_text("version,device name\n3,phone\n")
+    (folder / "Metadata.csv").write_text(f"version,device name,platform\n3,phone{platform}\n")
     for name in files:
         late = 0 if name == "Gyroscope" else late_ns
         rows = [
@@ -112,3 +115,30 @@ def test_positions_of_a_phone_are_read_from_its_folder(tmp_path, samples):
     found = reading.read(zipped(folder)).fixes
     np.testing.assert_allclose(found.index, START_NS / 1e9 + np.arange(5), rtol=0, atol=1e-6)
     np.testing.assert_allclose(np.degrees(found["longitude"]), 11.5 + np.arange(5) * 1e-5)
+
+
+@pytest.mark.parametrize(
+    "files", [("Gyroscope", "Accelerometer", "Gravity"), ("Gyroscope", "AccelerometerUncalibrated")]
+)
+def test_the_sign_of_a_phone_of_apple_is_undone_where_the_logger_names_it(tmp_path, samples, files):
+    apple = samples * [1, 1, 1, -1, -1, -1]
+    folder = sensor_logger(tmp_path / "ios", apple, files=files, platform=",ios")
+    if "Gravity" in files:
+        text = (folder / "Gravity.csv").read_text()
+        (folder / "Gravity.csv").write_text(text.replace("9.80665", "-9.80665"))
+        text = (folder / "Accelerometer.csv").read_text().splitlines()
+        rows = (line.split(",") for line in text[1:])
+        shifted = [",".join([*row[:2], repr(float(row[2]) + 2 * 9.80665), *row[3:]]) for row in rows]
+        (folder / "Accelerometer.csv").write_text("\n".join([text[0], *shifted, ""]))
+    found = read(folder)
+    np.testing.assert_allclose(found.log[[*GYRO, *ACCEL]], samples * [1, -1, -1, 1, -1, -1], atol=1e-8)
+    assert any("gravity points down" in one for one in found.recognised)
+
+
+def test_accelerations_of_an_unknown_phone_are_refused_and_read_by_the_option(tmp_path, samples):
+    files = ("Gyroscope", "Accelerometer", "Gravity")
+    folder = sensor_logger(tmp_path / "phone", samples, files=files, platform=",")
+    with pytest.raises(LogError, match=r"--units accel=m/s\^2, or accel=-m/s\^2"):
+        read(folder)
+    found = read(folder, RecordingSettings(units={"accel": "m/s^2"}))
+    np.testing.assert_allclose(found.log[[*GYRO, *ACCEL]], samples * [1, -1, -1, 1, -1, -1], atol=1e-8)

@@ -13,6 +13,7 @@ from imugap.io.formats import catalogue
 from imugap.io.formats.source import Source
 from imugap.io.recognition import column_names, stamps
 from imugap.io.recognition.settings import RecordingSettings
+from imugap.io.split_stamps import with_stamps
 from imugap.kinematics.strapdown import VELOCITY
 from imugap.log import TIME, LogError
 from imugap.units import factor
@@ -42,7 +43,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def decode(path: Path, topic: str | None) -> Decoded:
     """Return the fixes of a table; LogError where a column is missing."""
-    source = catalogue.open_source(path, RecordingSettings(topic=topic))
+    source = with_stamps(catalogue.open_source(path, RecordingSettings(topic=topic)))
     if topic is not None and source.topic is None:
         source = source.group(topic)
     names = source.names if any(source.names) else _nameless(source)

@@ -2,11 +2,22 @@
 
 from pathlib import Path
 
-from imugap.io.formats import arrays, dataflash, gnss_ins_sim, parquet, rosbag, sensor_files, text, ulog
+from imugap.io.formats import (
+    arrays,
+    dataflash,
+    gnss_ins_sim,
+    json_records,
+    parquet,
+    rosbag,
+    sensor_files,
+    tagged_lines,
+    text,
+    ulog,
+)
 from imugap.io.formats.source import Source, require_file, whole_file
 from imugap.log import LogError
 
-FORMATS = (parquet, rosbag, ulog, dataflash, arrays, gnss_ins_sim, sensor_files, text)
+FORMATS = (parquet, rosbag, ulog, dataflash, arrays, gnss_ins_sim, sensor_files, json_records, tagged_lines, text)
 HEAD_BYTES = 512
 
 

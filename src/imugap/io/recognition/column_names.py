@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from imugap import spelling
 from imugap.io.recognition.unit_text import COUNTS, INCREMENTS, QUANTITIES, quantity_of, unit_of
 from imugap.log import ACCEL, COLUMNS, GYRO, TEMPERATURE, TIME
+from imugap.units import factor
 
 SKIP = "-"
 """Stands for a column that is not read."""
@@ -35,6 +36,7 @@ OTHER = frozenset([
     "predicted", "euler", "roll", "pitch", "yaw", "heading", "angle", "orientation", "gravity", "absolute", "abs",
     "norm", "magnitude", "position", "pos", "dt", "integral", "relative", "clipping", "clip", "status", "instance",
     "device", "id", "date", "integrated", "mean", "pressure", "pwm",
+    "drift",
 ])  # fmt: skip
 """Words of columns that are no samples of an inertial sensor."""
 DERIVED = frozenset([
@@ -125,7 +127,7 @@ class Assignment:
     units
         Quantity (or ``time``) to the unit in the header; none where it has none.
     times
-        Names in the file that may be the time, the plainest first.
+        Names in the file that may be the time, the plainest first, of these that in the finest unit.
     free
         Whether the accelerations are without gravity.
     counters
@@ -195,7 +197,8 @@ def assign(names: Sequence[str]) -> Assignment:
         columns[TEMPERATURE] = thermometers[0]
         unit = known[thermometers[0]].unit
         units |= {TEMPERATURE: unit} if unit else {}
-    times = sorted((name for name, found in known.items() if found.quantity == TIME), key=lambda name: known[name].rank)
+    clocks = {name: found for name, found in known.items() if found.quantity == TIME}
+    times = sorted(clocks, key=lambda name: (clocks[name].rank, factor(clocks[name].unit or "s")))
     counters = tuple(name for name, found in known.items() if found.quantity == "counter")
     ordered = {name: columns[name] for name in COLUMNS if name in columns}
     contract = all(name == of for name, of in ordered.items()) and (not times or TIME in times)

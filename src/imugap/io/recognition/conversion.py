@@ -140,6 +140,8 @@ def _time_unit(
     elif stamps.FINE in clock.lower():
         unit, why = stamps.unit_of_fine(raw)
     else:
+        if stamps.are_clock_numbers(raw):
+            raise LogError("log", f"column {clock}", "seconds, or times of day as HH:MM:SS", "numbers HHMMSS")
         unit, why = asked(stamps.unit_of_stamps, f"column {clock}", raw, clock == TIME)
         if (unit, why) == ("s", "the rate") and _may_be_counted(raw):
             unit, why = _counted_unit(values, raw, clock, assignment, settings)

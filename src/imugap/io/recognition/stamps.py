@@ -24,6 +24,8 @@ YEARS = (9.5e8, 4.1e9)
 """Seconds since 1970 of the years 2000 to 2099."""
 FINE, FINE_TICKS, FINE_FASTEST_HZ = "sampletimefine", ("us", "100us"), 3e3
 """Counter of some devices, its ticks by their kind, and the highest rate of these."""
+MINUTE, CENTURY, DAY_NUMBER = 60, 100, 240_000
+"""Seconds of a minute, what a minute counts in HHMMSS, and the end of the day in it."""
 MOST = 0.3
 """Share of the stamps that advance, in a column of stamps: they may repeat in bursts."""
 
@@ -75,6 +77,16 @@ def unit_of_stamps(time: np.ndarray, contract: bool) -> tuple[str, str]:
         return admitted[0], "the rate"
     readings = " or ".join(f"{rates[unit]:.4g} Hz in {unit}" for unit in admitted or rates)
     raise ValueError(f"the unit of the stamps (--time-unit decides); found a step of {step:.6g}: {readings}")
+
+
+def are_clock_numbers(time: np.ndarray) -> bool:
+    """Return whether stamps, shape (n,), are times of day as numbers, HHMMSS: 59 s is followed by the next minute."""
+    finite = time[np.isfinite(time.astype(float))].astype(float)
+    if len(finite) < FEWEST or (np.floor(finite) % CENTURY >= MINUTE).any() or not (finite < DAY_NUMBER).all():
+        return False
+    before, after = np.floor(finite[:-1]), np.floor(finite[1:])
+    carried = (before % CENTURY == MINUTE - 1) & (after % CENTURY == 0) & (after != before + 1)
+    return bool(carried.any())
 
 
 def unit_of_fine(time: np.ndarray) -> tuple[str, str]:

@@ -31,7 +31,8 @@ SPELLINGS = {
 }
 BASES = {spelling: base for base, spellings in SPELLINGS.items() for spelling in spellings.split()}
 SHORT = {
-    "dps": "deg/s", "d/s": "deg/s", "mdps": "mdeg/s", "rpm": "rev/min", "gal": "cm/s^2", "100ns": "100ns",
+    "dps": "deg/s", "d/s": "deg/s", "mdps": "mdeg/s", "rpm": "rev/min", "gal": "cm/s^2", "mps2": "m/s^2",
+    "mps 2": "m/s^2", "100ns": "100ns",
     "100 ns": "100ns",
 }  # fmt: skip
 """Abbreviations of whole units."""

@@ -1,0 +1,70 @@
+"""Stamps whose parts stand in several columns."""
+
+from datetime import datetime, timedelta
+
+import numpy as np
+import pytest
+from tests.io.devices import at_rest, times
+
+from imugap.io.recording import RecordingSettings, read, stream
+from imugap.log import AXES, LogError
+
+COUNT = 1200
+SAMPLES = at_rest(COUNT, up=(0, 0, -1))
+START_NS = 1_709_337_595_123_456_789
+SETTINGS = RecordingSettings(units={"gyro": "rad/s"}, frame="as-is")
+
+
+def since(k):
+    return START_NS + 10_000_000 * k
+
+
+def moment(k):
+    return datetime(2024, 3, 1, 23, 59, 55) + timedelta(milliseconds=10 * k)
+
+
+PARTS = {
+    "secs,nsecs": lambda k: f"{since(k) // 10**9},{since(k) % 10**9}",
+    "header.stamp.sec,header.stamp.nanosec": lambda k: f"{since(k) // 10**9},{since(k) % 10**9}",
+    "Time (s),Time (us)": lambda k: f"{since(k) // 10**9},{since(k) % 10**9 // 1000}",
+    "GPS Week,GPS Seconds": lambda k: f"{2303 + (k > 599)},{(604794 + k / 100 + 1e-9) % 604800:.2f}",
+    "week,itow": lambda k: f"2303,{432_000_000 + 10 * k}",
+    "hour,minute,second,ms": lambda k: (
+        (moment(0) + timedelta(milliseconds=10 * k - 10**6)).strftime("%H,%M,%S,") + str(10 * k % 1000)
+    ),
+    "year,month,day,hour,minute,second": lambda k: moment(k).strftime("%Y,%m,%d,%H,%M,%S.%f"),
+    "Date,Time": lambda k: moment(k).strftime("%Y-%m-%d,%H:%M:%S.%f"),
+}
+
+
+def written(path, header, parts):
+    rows = [f"{parts(k)},{','.join(f'{value:.9g}' for value in SAMPLES[k])}" for k in range(COUNT)]
+    path.write_text("\n".join([f"{header},{','.join(AXES)}", *rows, ""]))
+    return path
+
+
+@pytest.mark.parametrize("header", PARTS)
+def test_the_parts_of_a_stamp_are_one(tmp_path, header):
+    path = written(tmp_path / "run.csv", header, PARTS[header])
+    found = read(path, SETTINGS)
+    np.testing.assert_allclose(found.log.index - found.log.index[0], times(COUNT), atol=2e-6)
+    np.testing.assert_allclose(found.log.to_numpy(), SAMPLES, rtol=1e-8)
+    assert any(one.startswith("stamps from ") for one in found.recognised)
+    streamed = np.concatenate([part.index.to_numpy() for part in stream(path, SETTINGS)[1]])
+    np.testing.assert_array_equal(streamed, found.log.index)
+
+
+@pytest.mark.parametrize("header", ["time_s,time_ms", "seconds,milliseconds"])
+def test_two_columns_of_one_time_in_two_units_are_not_added(tmp_path, header):
+    whole = header.startswith("seconds")
+    path = written(tmp_path / "run.csv", header, lambda k: f"{k // 100 if whole else k / 100},{10 * k}")
+    found = read(path, SETTINGS)
+    np.testing.assert_allclose(found.log.index, times(COUNT), atol=1e-9)
+
+
+def test_times_of_day_as_numbers_are_refused(tmp_path):
+    path = written(tmp_path / "run.csv", "date,time", lambda k: moment(k).strftime("%Y%m%d,%H%M%S.%f"))
+    with pytest.raises(
+        LogError, match="column time: expected seconds, or times of day as HH:MM:SS; found numbers HHMMSS"
+    ):
+        read(path, SETTINGS)
