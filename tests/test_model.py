@@ -20,6 +20,7 @@ from imugap.effects import (
     GaussMarkov,
     LeverArm,
     Misalignment,
+    NoiseDistribution,
     OutputFilter,
     RandomTelegraph,
     RandomWalk,
@@ -62,6 +63,9 @@ def homely(effect, axis):
     if effect is VarianceChange:
         times = st.tuples(drawn["start"], drawn["stop"]).map(sorted)
         return st.builds(lambda times, ratio: VarianceChange(*times, ratio), times, drawn["ratio"])
+    if effect is NoiseDistribution:
+        quantiles = st.tuples(*(drawn[item.name] for item in fields(effect)[1:])).map(sorted)
+        return st.builds(lambda std, quantiles: NoiseDistribution(std, *quantiles), drawn["std"], quantiles)
     return st.builds(effect, **drawn | ({axis[-1]: st.just(0.0)} if effect is Misalignment else {}))
 
 

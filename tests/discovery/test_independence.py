@@ -17,6 +17,7 @@ NAMED = {
     "search/telegraph_in_noise.py": {"RandomTelegraph"},
     "common_noise.py": {"CommonMode", "WhiteNoise"},
     "checks/spectrum.py": {"PowerLaw"},
+    "nameless_noise.py": {"BandNoise", "NoiseDistribution"},
 }
 """Modules that have the likelihood of one effect as their subject, and the noise without a name."""
 

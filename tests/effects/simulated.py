@@ -10,6 +10,7 @@ from scipy.stats import chi2
 
 from imugap import log
 from imugap.effects import (
+    BandNoise,
     Bias,
     BiasInstability,
     BiasStep,
@@ -22,6 +23,7 @@ from imugap.effects import (
     GSensitivity,
     LeverArm,
     Misalignment,
+    NoiseDistribution,
     Outliers,
     OutputFilter,
     PowerLaw,
@@ -68,8 +70,8 @@ PROCESSES = (
 NAMES = [process.name for process in PROCESSES]
 
 
-SAMPLED = (*PROCESSES, Quantization(0.003))
-"""All processes: quantization has a spectrum only once it is sampled."""
+SAMPLED = (*PROCESSES, Quantization(0.003), BandNoise(0.3, 25.0, 50.0))
+"""All processes: quantization has a spectrum only once it is sampled, and that of a band has edges."""
 
 
 SAMPLED_NAMES = [process.name for process in SAMPLED]
@@ -92,6 +94,7 @@ EXAMPLES = {
         WarmUp(0.8, 0.1),
         Temperature(0.02, 24.0, 1e-3, -0.1),
         VarianceChange(0.1, 0.3, 4.0),
+        NoiseDistribution(0.1, q_001=-2.5, q_999=4.0),
         StabilityRestoration(0.1, 0.05),
         OutputFilter(10.0, 3),
         Saturation(0.2),

@@ -1,5 +1,7 @@
 """Tabulate what was found on recordings of devices that took no part in building the method."""
 
+from math import isfinite, nan
+
 import pandas as pd
 
 from imugap.figures.style import AXIS_TITLES
@@ -35,9 +37,15 @@ def overview(known, reports):
         {"recording": name, **{key: known[name][key] for key in ("duration_s", "rate_hz", "in_motion")},
          "left_out": "; ".join(left_out(known[name])), "places_before": len(report["gaps"]),
          "places_after": len(report["unexplained"]), "distance": title}
-        | {f"{state}_{end}": report[key][state][end] for state in STATES for end in ENDS}
+        | {f"{state}_{end}": report[key][state][end] for state in STATES for end in ENDS} | described(report, key)
         for name, report in reports.items() for key, title in DISTANCES.items() if report[key]
     ])  # fmt: skip
+
+
+def described(report, key):
+    """Return the distance with a description of noise that has no name, NaN where there is none."""
+    nameless = report["nameless_noise"] if key == "distance" else None
+    return {f"described_{end}": nameless["distance"]["after"][end] if nameless else nan for end in ENDS}
 
 
 def overview_page(data, titles):
@@ -48,7 +56,8 @@ def overview_page(data, titles):
                 + ("in motion" if one["in_motion"] else "at rest"),
          "left out": one["left_out"] or "nothing", "places": f"{one['places_before']}, then {one['places_after']}",
          "distance in": one["distance"]}
-        | {state: tables.interval(*(one[f"{state}_{end}"] for end in ENDS)) for state in STATES}
+        | {state: tables.interval(*(one[f"{state}_{end}"] for end in ENDS))
+           if isfinite(one[f"{state}_value"]) else NONE for state in ("before", "after", "described", "floor")}
         for one in data.to_dict("records")
     ])  # fmt: skip
 
@@ -134,6 +143,8 @@ def distances(report):
         if one := report[key]:
             shown = {state: tables.number(one[state]["value"]) for state in STATES}
             shown["floor_high"] = tables.number(one["floor"]["high"])
+            far = described(report, key)["described_value"]
+            shown["described"] = tables.number(far) if isfinite(far) else None
             said[title.split()[0]] = shown | verdicts.distance(*(one[state] for state in STATES))
     return said
 

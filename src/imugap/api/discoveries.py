@@ -147,7 +147,7 @@ class Discovered(Result):
             "surest.svg": discovery.surest(found, alpha),
             "distance.svg": discovery.distance(found),
             "drift.svg": discovery.drift(found),
-        }
+        } | ({} if found.nameless is None else {"described.yaml": found.nameless.model})
 
     def _page(self) -> "Page":
         from imugap.pages.discover import page

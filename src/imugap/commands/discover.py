@@ -13,9 +13,8 @@ from imugap.commands.reading import LOG_HELP, MODEL_HELP, add_reading, say, sett
 from imugap.io.recognition.frame import AS_IS
 
 FILES = (
-    "report.html", "inputs.json", "report.json", "model.yaml", "gaps.csv", "candidates.csv", "against_start.csv",
-    "parameters.csv", "report.md",
-    "places.svg", "surest.svg", "distance.svg", "drift.svg",
+    "report.html", "inputs.json", "report.json", "model.yaml", "described.yaml", "gaps.csv", "candidates.csv",
+    "against_start.csv", "parameters.csv", "report.md", "places.svg", "surest.svg", "distance.svg", "drift.svg",
 )  # fmt: skip
 """Files of the folder."""
 

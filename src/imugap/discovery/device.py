@@ -1,10 +1,10 @@
 """Discovery on the logs of a device.
 
-The stages, in order, each a function of the one before: :func:`_prepare`, :func:`_search_axes`,
-:func:`_locate_discrepancies`, :func:`_name_effects`, :func:`_compare_runs`, :func:`_assemble`,
-:func:`_measure_distances`, :func:`_test_final_model`, :func:`_conclude`. Where the final model turns out farther from
-held-out data than the start model, the effects to blame are withdrawn, and the stages from :func:`_name_effects` to
-:func:`_measure_distances` are repeated.
+:func:`_prepare`, :func:`_search_axes`, :func:`_locate_discrepancies`, :func:`_name_effects`, :func:`_compare_runs`,
+:func:`_assemble`, :func:`_measure_distances`, :func:`_test_final_model`, :func:`_describe_nameless` and
+:func:`_conclude` are the stages in order, each a function of the one before. Where the final model turns out farther
+from held-out data than the start model, the effects to blame are withdrawn, and the stages from :func:`_name_effects`
+to :func:`_measure_distances` are repeated.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -25,6 +25,7 @@ from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Unnamed
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.start_model import described, noisy
 from imugap.discovery.gravity import SensedGravity
+from imugap.discovery.nameless_noise import NamelessNoise, describe
 from imugap.discovery.over_runs import OverRuns, not_needed, not_recurring, search_over_runs
 from imugap.discovery.pooling import agree_on_noise, name_pooled, pooled_finding, search_each
 from imugap.discovery.posterior import posterior
@@ -90,6 +91,8 @@ class Discovery:
         Band in which the reference follows the motion; None for all frequencies, or for a device at rest.
     runs
         Number of logs, to all of which the random processes are fitted.
+    nameless
+        Model with a description of noise that has no name, where that is nearer to held-out data; else None.
     """
 
     start: ErrorModel
@@ -111,6 +114,7 @@ class Discovery:
     gravity: SensedGravity | None
     band: ReferenceBand | None
     runs: int
+    nameless: NamelessNoise | None
 
 
 @dataclass(frozen=True)
@@ -278,6 +282,13 @@ class _Tested(_Measured):
     discrepancies_after: tuple[Discrepancy, ...]
 
 
+@dataclass(frozen=True, eq=False)
+class _Described(_Tested):
+    """With a description of noise that has no name."""
+
+    nameless: NamelessNoise | None
+
+
 Withdrawn = Mapping[str, Mapping[type[Effect], str]]
 """Kinds of effects that are not named on an axis, with the reason."""
 
@@ -304,7 +315,7 @@ def discover(
         Called as each step begins.
     """
     located = _locate_discrepancies(_search_axes(_prepare(logs, settings, tests, reference, progress)))
-    return _conclude(_test_final_model(_measured(located)))
+    return _conclude(_describe_nameless(_test_final_model(_measured(located))))
 
 
 def leave_one_out(
@@ -509,7 +520,19 @@ def _test_final_model(stage: _Measured) -> _Tested:
     return _Tested(**vars(stage), views_after=views, discrepancies_after=(*_line_discrepancies(results), *left))
 
 
-def _conclude(stage: _Tested) -> Discovery:
+def _describe_nameless(stage: _Tested) -> _Described:
+    """Describe noise without a name where it remains, if a reference does not limit what is seen of it."""
+    nameless = None
+    if stage.band is None:
+        with each_in_processes(stage.settings.workers) as each:
+            nameless = describe(
+                stage.discrepancies_after, stage.results, stage.record.sequences, stage.model, stage.compared,
+                bool(stage.tests), lambda some: evaluate(some, stage.settings.seed, stage.settings.simulations, each),
+            )  # fmt: skip
+    return _Described(**vars(stage), nameless=nameless)
+
+
+def _conclude(stage: _Described) -> Discovery:
     """Put together the result."""
     stage.steps.begin("done")
     results, alpha = stage.results, stage.settings.alpha
@@ -519,6 +542,10 @@ def _conclude(stage: _Tested) -> Discovery:
     start, final = (with_effects(model, kept) for model in (stage.start, stage.model(stage.device)))
     at_rest = all(fit.sequence.conditions.ideal is None for fit in stage.whole.values())
     gravity = SensedGravity.of(final, stage.known, stage.settings.gravity) if at_rest else None
+    nameless = stage.nameless
+    if nameless is not None:
+        described = with_effects(nameless.model, kept)
+        nameless = replace(nameless, model=described if gravity is None else gravity.taken_from(described))
     return Discovery(
         start=start if gravity is None else gravity.taken_from(start),
         final=final if gravity is None else gravity.taken_from(final),
@@ -550,6 +577,7 @@ def _conclude(stage: _Tested) -> Discovery:
         gravity=gravity,
         band=stage.band,
         runs=1 + len(stage.others),
+        nameless=nameless,
     )
 
 

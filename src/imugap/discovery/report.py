@@ -7,6 +7,7 @@ from math import exp, isfinite
 import pandas as pd
 
 from imugap.discovery.device import Discovery
+from imugap.discovery.evaluation.distance import Distances
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval, Unnamed
 from imugap.discovery.posterior import IN_WORDS, NOT_SEEN, ambiguity_set, percent
 from imugap.integrity.regular import counted
@@ -37,9 +38,19 @@ def to_mapping(found: Discovery, logs: Sequence[dict], tests: Sequence[dict] = (
     }
     for key, name in (("distance", "distribution"), ("navigation_distance", "navigation")):
         apart = found.distances.get(name)
-        triple = ("before", "after", "floor")
-        report[key] = None if apart is None else {one: _ends(getattr(apart, one)) for one in triple}
+        report[key] = None if apart is None else _distances(apart)
+    nameless = found.nameless
+    report["nameless_noise"] = (
+        None
+        if nameless is None
+        else {"model": nameless.model.to_mapping(), "axes": list(nameless.effects)}
+        | {"distance": _distances(nameless.distances)}
+    )
     return report
+
+
+def _distances(apart: Distances) -> dict[str, dict]:
+    return {one: _ends(getattr(apart, one)) for one in ("before", "after", "floor")}
 
 
 def _effect(finding: Finding) -> dict:
@@ -139,6 +150,8 @@ def verdict(found: Discovery) -> str:
         numbers = f"{apart.before.value:.3g} before, {apart.after.value:.3g} after"
         text = f"Distance in {name}: {numbers}; floor {apart.floor.low:.3g} to {apart.floor.high:.3g}"
         lines.append(f"{text}: {apart.judgement}.")
+    if found.nameless is not None:
+        lines.append(found.nameless.sentence())
     return "\n".join(lines)
 
 

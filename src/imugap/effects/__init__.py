@@ -3,6 +3,7 @@
 May import integrity, log, numerics, units and stream.
 """
 
+from imugap.effects.band_noise import BandNoise
 from imugap.effects.bias import Bias
 from imugap.effects.bias_instability import BiasInstability
 from imugap.effects.bias_step import BiasStep
@@ -15,6 +16,7 @@ from imugap.effects.g_sensitivity import GSensitivity
 from imugap.effects.gauss_markov import GaussMarkov
 from imugap.effects.lever_arm import LeverArm
 from imugap.effects.misalignment import Misalignment
+from imugap.effects.noise_distribution import NoiseDistribution
 from imugap.effects.outliers import Outliers
 from imugap.effects.output_filter import OutputFilter
 from imugap.effects.power_law import PowerLaw

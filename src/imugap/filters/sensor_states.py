@@ -4,7 +4,8 @@ Every process of the library that has a state space is a sum of independent firs
 walk, a Gauss-Markov process. Flicker noise (:class:`imugap.effects.BiasInstability`) is approximated by a bank of
 Gauss-Markov processes (:mod:`imugap.interchange.flicker_bank`), and power-law noise by the nearer of flicker noise and
 random walk. A turn-on bias and a random walk of the same axis share a state (:mod:`imugap.interchange.augmentation`).
-A fixed bias is compensated. Quantisation is left out, since its integral does not grow. Of the effects of the signal
+A fixed bias is compensated. Quantisation and a band of noise above zero frequency are left out, since their integral
+does not grow; a band from zero on is white noise. Of the effects of the signal
 chain only the scale factor can be a state: a Gauss-Markov process, or a constant.
 """
 
@@ -12,8 +13,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from imugap.effects import Bias, BiasInstability, PowerLaw, Quantization, RandomWalk, StochasticEffect
-from imugap.effects.effect import AxisModel
+from imugap.effects import (
+    BandNoise,
+    Bias,
+    BiasInstability,
+    PowerLaw,
+    Quantization,
+    RandomWalk,
+    StochasticEffect,
+    WhiteNoise,
+)
+from imugap.effects.effect import AxisModel, Effect
 from imugap.interchange.augmentation import augmentation
 from imugap.interchange.flicker_bank import bank
 from imugap.log import ACCEL, AXES, GYRO
@@ -129,20 +139,28 @@ class SensorStates:
 
 
 def _finite_order(model: AxisModel) -> AxisModel:
-    """Return the model without quantisation, with flicker and power-law noise approximated by first-order states."""
+    """Return the model without noise whose integral does not grow, the rest approximated by first-order states."""
     effects = []
-    for effect in (one for one in model if not isinstance(one, Quantization)):
-        one = _nearest_process(effect) if isinstance(effect, PowerLaw) else effect
+    for effect in (one for one in model if not _is_bounded(one)):
+        one = _nearest_process(effect) if isinstance(effect, PowerLaw | BandNoise) else effect
         flicker = isinstance(one, BiasInstability)
         effects += bank(one.density_b, *FLICKER_S, FLICKER_STATES) if flicker else [one]
     return AxisModel(tuple(effects))
 
 
-def _nearest_process(law: PowerLaw) -> StochasticEffect:
-    """Return the flicker noise or random walk nearest to power-law noise, with the same Allan variance at mid-range.
+def _is_bounded(effect: Effect) -> bool:
+    """Return whether an effect is noise whose integral does not grow: it has no power at zero frequency."""
+    return isinstance(effect, Quantization) or (isinstance(effect, BandNoise) and effect.edges[0] > 0)
 
-    The range is :data:`FLICKER_S`, its middle the geometric mean.
+
+def _nearest_process(law: PowerLaw | BandNoise) -> StochasticEffect:
+    """Return the white noise, flicker noise or random walk that is nearest to noise of another spectrum.
+
+    A band from zero frequency on is white noise of its density. Of power-law noise it is the process with the same
+    Allan variance in the middle of :data:`FLICKER_S`, the geometric mean.
     """
+    if isinstance(law, BandNoise):
+        return WhiteNoise(law.density)
     tau = np.sqrt(np.prod(FLICKER_S))
     unit = BiasInstability(1.0) if law.exponent < RANDOM_WALK_EXPONENT else RandomWalk(1.0)
     size = float(np.sqrt(law.allan_variance(tau) / unit.allan_variance(tau)))

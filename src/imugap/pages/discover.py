@@ -8,6 +8,7 @@ import numpy as np
 from imugap.discovery.evaluation.distance import Distances
 from imugap.discovery.finding import Discrepancy, Finding, Interval
 from imugap.discovery.inputs import FileDiscovery
+from imugap.discovery.nameless_noise import NamelessNoise
 from imugap.discovery.report import certainty, describe_locations, describe_range, described_sentences
 from imugap.discovery.start_comparison.parameters import StartParameter
 from imugap.discovery.start_comparison.wording import sentences
@@ -66,6 +67,7 @@ def page(result: FileDiscovery) -> Page:
             Part("What else the log shows", (Points(tuple(_remarks(result))),) if list(_remarks(result)) else ()),
             Part("Where log and simulator disagree", tuple(_places(result))),
             Part("How far the model is from data that it has not seen", tuple(_distances(result))),
+            Part("Noise without a name, described", tuple(_nameless(found.nameless))),
             simulator_part(found.final, rule, (_compared(found.start, found.final),)),
             filter_part(lambda target: export(found.final, target, rule)),
             Part("The log", tuple(_log(result))),
@@ -113,6 +115,25 @@ def _finding(one: Finding) -> Iterable[Block]:
     yield Snippet(text(ErrorModel({axis: AxisModel((own,)) for axis, own in one.effects.items()})))
     if effect.role in FILTER_SIDE:
         yield Text(f"In the filter: {FILTER_SIDE[effect.role]}")
+
+
+def _nameless(nameless: NamelessNoise | None) -> Iterable[Block]:
+    """Yield how noise without a name is described, and what a simulation with it is like."""
+    if nameless is None:
+        return
+    yield Text(
+        "The log has noise whose cause is not known. It can be simulated all the same: a spectrum as bands of noise, a "
+        "distribution by its quantiles. This is no explanation, and another log of the device need not have it."
+    )
+    yield Text(nameless.sentence())
+    rows = tuple(
+        (axis, of_name.replace("_", " "), str(count))
+        for axis, effects in nameless.effects.items()
+        for of_name, count in Counter(one.name for one in effects).items()
+    )
+    yield DataTable("Descriptions beside the named effects.", ("axis", "description", "number"), rows)
+    yield Text("The file described.yaml beside this page is the model with them:")
+    yield Snippet("imugap simulate described.yaml --duration 600 --rate 100 --out simulated.csv")
 
 
 def _against(rows: Sequence[StartParameter]) -> Iterable[Block]:

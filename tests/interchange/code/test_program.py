@@ -10,6 +10,7 @@ from imugap import log
 from imugap.discovery.device import Settings, discover
 from imugap.effects import (
     CATALOGUE,
+    BandNoise,
     Bias,
     BiasInstability,
     BiasStep,
@@ -21,6 +22,7 @@ from imugap.effects import (
     GSensitivity,
     LeverArm,
     Misalignment,
+    NoiseDistribution,
     Outliers,
     OutputFilter,
     PowerLaw,
@@ -53,8 +55,8 @@ from imugap.numerics.band_limited import REACH
 
 RATE = 100.0
 SEEDS = range(3)
-NO_STEP = {StabilityRestoration.name, StanceMotion.name}
-"""Kinds without a form as a step: one scales the run as a whole, one is no error of a log."""
+NO_STEP = {BandNoise.name, StabilityRestoration.name, StanceMotion.name}
+"""Kinds without a form as a step: a band has edges, one scales the run as a whole, one is no error of a log."""
 
 
 def model(effects, axes=log.AXES, clock=()):
@@ -75,6 +77,7 @@ EVERY = ErrorModel(
             (
                 CommonMode(1e-3, 0.5), Outliers(0.01, 0.1), RandomTelegraph(0.01, 0.2), Quantization(1e-5),
                 WhiteNoise(1e-3), VarianceChange(1.0, 3.0, 2.0, 0.3, 0.5), TimeOffset(0.0034),
+                NoiseDistribution(0.01, q_001=-2.4, q_999=4.0),
                 ScaleFactor(0.01, 2e-3, 3e-3), Misalignment(0.01, 0.0, -0.02), OutputFilter(20.0, 2, 2),
             )
         ),

@@ -1,0 +1,92 @@
+"""Noise of a flat spectrum within a band: the bricks of a spectrum that has no name."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
+from scipy.special import sici
+
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import Start, StochasticEffect, parameter
+from imugap.effects.residual import Residual
+
+
+@dataclass(frozen=True)
+class BandNoise(StochasticEffect):
+    """Normal noise of PSD density^2 for frequency - width/2 <= f < frequency + width/2, and of none elsewhere.
+
+    No name of the vocabulary: a sum of bands describes a spectrum of any shape. The part of a band above half the
+    sampling rate is left out; there is no noise below zero frequency.
+    """
+
+    name: ClassVar[str] = "band_noise"
+    named: ClassVar[bool] = False
+    density: float = parameter("{u}/sqrt(Hz)", "square root of the two-sided PSD within the band")
+    frequency: float = parameter("Hz", "middle of the band")
+    width: float = parameter("Hz", "width of the band")
+
+    @classmethod
+    def starts(cls, fit: Residual) -> Iterator[Start]:
+        """Yield nothing: the effect is not part of the vocabulary."""
+        return iter(())
+
+    @property
+    def edges(self) -> tuple[float, float]:
+        """Return the lower and the upper end of the band [Hz]."""
+        return max(self.frequency - self.width / 2, 0.0), self.frequency + self.width / 2
+
+    def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Draw white noise, and keep the band of it.
+
+        The circular noise is twice as long as the run; a frequency of it at an end of the band counts by its share.
+        """
+        length = next_fast_len(2 * len(conditions), real=True)
+        spectrum = rfft(rng.standard_normal(length))
+        frequency, half = rfftfreq(length, conditions.interval), 0.5 / (length * conditions.interval)
+        low, high = self.edges
+        within = np.minimum(frequency + half, high) - np.maximum(np.maximum(frequency - half, 0.0), low)
+        share = np.clip(within / np.where(frequency > 0, 2 * half, half), 0.0, 1.0)
+        values = irfft(np.sqrt(share) * spectrum, length)[: len(conditions)]
+        return self.density / np.sqrt(conditions.interval) * values
+
+    def psd(self, frequency: np.ndarray) -> np.ndarray:
+        """Return density^2 within the band."""
+        low, high = self.edges
+        size = np.abs(np.asarray(frequency, float))
+        return np.where((size >= low) & (size < high), self.density**2, 0.0)
+
+    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return density^2 within the band."""
+        return self.psd(frequency)
+
+    def allan_variance(self, tau: np.ndarray) -> np.ndarray:
+        """Return 4 density^2/(pi tau) [Si(2x) - Si(4x)/2 - sin^4(x)/x], x = pi f tau, from one end to the other.
+
+        It is the integral of the PSD times sin^4(x)/x^2 (Farrell et al. 2022, eq. 16).
+        """
+        tau = np.asarray(tau, float)
+        below, above = (_transfer(np.pi * end * tau) for end in self.edges)
+        return 4 * self.density**2 / (np.pi * tau) * (above - below)
+
+    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
+        """Return the quadratic form of the autocovariance 2 density^2 int cos(2 pi f lag) df over the band."""
+        found = [self._of_samples(int(n), interval) for n in np.ravel(averaging)]
+        return np.reshape(found, np.shape(averaging))
+
+    def _of_samples(self, count: int, interval: float) -> float:
+        """Return the Allan variance of means over ``count`` samples."""
+        lag = np.arange(2 * count)
+        low, high = (min(2 * end * interval, 1.0) for end in self.edges)
+        covariance = self.density**2 / interval * (high * np.sinc(high * lag) - low * np.sinc(low * lag))
+        # products of the weights of two samples that lie so far apart, -1 and 1 for the two means
+        weights = np.where(lag <= count, 2 * count - 3 * lag, lag - 2 * count)
+        return float(weights[0] * covariance[0] + 2 * weights[1:] @ covariance[1:]) / (2 * count**2)
+
+
+def _transfer(x: np.ndarray) -> np.ndarray:
+    """Return the integral of sin^4(u)/u^2 from 0 to ``x``."""
+    safe = np.where(x > 0, x, 1.0)
+    value = sici(2 * safe)[0] - sici(4 * safe)[0] / 2 - np.sin(safe) ** 4 / safe
+    return np.where(x > 0, value, 0.0)
