@@ -28,13 +28,17 @@ def text(path, *lines):
     return path
 
 
-def rtklib(path, date=True):
+LEAP_S = 18.0
+"""GPS time less UTC since 2017 [s]."""
+
+
+def rtklib(path, date=True, system="GPST", ahead_s=LEAP_S):
     names = (
         "latitude(deg) longitude(deg) height(m) Q ns sdn(m) sde(m) sdu(m) sdne(m) sdeu(m) sdun(m) age(s) ratio "
         "vn(m/s) ve(m/s) vu(m/s)"
     )
     rows = []
-    for t, *place in zip(TIME, LATITUDE, LONGITUDE, HEIGHT, strict=True):
+    for t, *place in zip(TIME + ahead_s, LATITUDE, LONGITUDE, HEIGHT, strict=True):
         week, rest = divmod(t - GPS_EPOCH_S, WEEK_S)
         when = (
             datetime.fromtimestamp(t, UTC).strftime("%Y/%m/%d %H:%M:%S.%f")[:-3] if date else f"{week:.0f} {rest:.3f}"
@@ -42,7 +46,7 @@ def rtklib(path, date=True):
         rows.append(
             f"{when} {place[0]:.9f} {place[1]:.9f} {place[2]:.4f} 1 12 {SD[0]} {SD[1]} {SD[2]} 0 0 0 0 0 2.2 -3.0 0.5"
         )
-    return text(path, "% program   : RTKLIB", f"%  GPST          {names}", *rows)
+    return text(path, "% program   : RTKLIB", f"%  {system}          {names}", *rows)
 
 
 def sentence(body):
@@ -130,6 +134,8 @@ def simulated(path):
 UNITS = "Time (s);Latitude (deg);Longitude (deg);Altitude (m);Vn (m/s);Ve (m/s);Vu (m/s)"
 WRITERS = {
     "RTKLIB": (rtklib, True, True),
+    "RTKLIB, UTC": (lambda path: rtklib(path, system="UTC", ahead_s=0.0), True, True),
+    "RTKLIB, JST": (lambda path: rtklib(path, system="JST", ahead_s=9 * 3600.0), True, True),
     "RTKLIB, week": (lambda path: rtklib(path, date=False), True, True),
     "NMEA": (nmea, True, None),
     "GPX": (gpx, False, False),

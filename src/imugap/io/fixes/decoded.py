@@ -5,10 +5,6 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-GPS_EPOCH_S = 315_964_800
-"""Begin of GPS time in seconds since 1970."""
-WEEK_S = 604_800
-
 
 @dataclass(frozen=True, eq=False)
 class Decoded:

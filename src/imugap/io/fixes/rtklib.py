@@ -1,11 +1,17 @@
-"""Solutions of RTKLIB (``.pos``): geodetic positions in degrees, time as a date or as week and seconds."""
+"""Solutions of RTKLIB (``.pos``): geodetic positions in degrees, time as a date or as week and seconds.
+
+Times are converted to UTC, the scale of seconds since 1970.
+"""
 
 import io
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
-from imugap.io.fixes.decoded import GPS_EPOCH_S, WEEK_S, Decoded
+from imugap.io.fixes.decoded import Decoded
+from imugap.io.fixes.gps_time import GPS_EPOCH_S, WEEK_S, utc
 from imugap.log import TIME, LogError
 
 COLUMNS = {
@@ -13,7 +19,10 @@ COLUMNS = {
     "sde(m)": "sd_e", "sdu(m)": "sd_d", "vn(m/s)": "vel_n", "ve(m/s)": "vel_e", "vu(m/s)": "vel_u",
     "sdvn": "sd_vel_n", "sdve": "sd_vel_e", "sdvu": "sd_vel_d",
 }  # fmt: skip
-SYSTEMS = ("GPST", "UTC", "JST")
+SYSTEMS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "GPST": utc, "UTC": lambda time: time, "JST": lambda time: time - 9 * 3600,
+}  # fmt: skip
+"""Time systems, each with its conversion to UTC [s]."""
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -23,12 +32,14 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def decode(path: Path, topic: str | None) -> Decoded:
-    """Return the fixes of a solution; LogError where its positions are not geodetic in degrees."""
+    """Return the fixes of a solution; LogError for another time system, or positions not geodetic in degrees."""
     text = path.read_text(errors="replace").replace(",", " ")
     header = next((line for line in text.splitlines() if line.startswith("%") and "(m)" in line), "%")
     system, *names = header.lstrip("% ").split()
     if not set(list(COLUMNS)[:3]) <= set(names):
         raise LogError(path, "header", "positions as latitude(deg) longitude(deg) height(m)", " ".join(names)[:120])
+    if system not in SYSTEMS:
+        raise LogError(path, "header", f"a time system, {' or '.join(SYSTEMS)}", system)
     rows = "\n".join(line for line in text.splitlines() if line[:1] != "%")
     words = pd.read_csv(io.StringIO(rows), sep=r"\s+", header=None)
     table = words[range(2, min(len(names) + 2, words.shape[1]))].set_axis(names[: words.shape[1] - 2], axis=1)
@@ -40,5 +51,6 @@ def decode(path: Path, topic: str | None) -> Decoded:
     else:
         due = pd.to_datetime(words[0] + " " + words[1], format="%Y/%m/%d %H:%M:%S.%f")
         time = (due - pd.Timestamp(0)).dt.total_seconds()
-    table.index = pd.Index(time.to_numpy(float), name=TIME)
-    return Decoded(table, (f"RTKLIB, {system} in seconds since 1970",))
+    table.index = pd.Index(SYSTEMS[system](time.to_numpy(float)), name=TIME)
+    converted = "UTC" if system == "UTC" else f"{system} -> UTC"
+    return Decoded(table, (f"RTKLIB, {converted} in seconds since 1970",))
