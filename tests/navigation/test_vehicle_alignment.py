@@ -64,3 +64,13 @@ def test_a_time_offset_is_followed_from_the_start(level, assumptions, delay):
     low, high = nees_band(1, runs, 0.9999)
     assert np.abs(found - delay).max() < 0.01
     assert low < np.mean((found[:, 0] - delay) ** 2 / variance[:, 0, 0]) < high
+
+
+def test_a_receiver_without_a_vertical_velocity_starts_a_drive_as_early(lap, assumptions):
+    """NMEA has speed and course alone."""
+    log, fixes = lap.record(0, SEED), lap.fixes(0, SEED)
+    starts = [
+        align(DriveInputs(log, one, lap.model, lap.ellipsoid, assumptions)).time
+        for one in (fixes, fixes.assign(vel_d=np.nan, sd_vel_d=np.nan))
+    ]
+    assert starts[1] - starts[0] <= 2.0

@@ -149,7 +149,7 @@ def errors_of(triad: tuple[str, ...], errors: np.ndarray, states: SensorStates) 
 def velocities(
     time: np.ndarray, seen: np.ndarray, std: np.ndarray, baseline_s: float = BASELINES_S[0]
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Return velocities at the fixes [m/s], from the receiver or from differences, and standard deviations.
+    """Return velocities at the fixes [m/s] and standard deviations, a component from the receiver or from differences.
 
     A difference is over at most the time ``baseline_s`` [s].
     """
@@ -158,13 +158,15 @@ def velocities(
         np.searchsorted(time, time - baseline_s / 2),
         np.searchsorted(time, time + baseline_s / 2, "right") - 1,
     )
-    for k in np.flatnonzero(np.isnan(velocity).any(axis=1)):
-        before, after = first[k], last[k]
-        spread[k] = np.inf
+    unknown = np.isnan(velocity)
+    spread[unknown] = np.inf
+    for k in np.flatnonzero(unknown.any(axis=1)):
+        lacks, before, after = unknown[k], first[k], last[k]
         if before < k < after:
-            velocity[k] = (seen[after, :3] - seen[before, :3]) / (time[after] - time[before])
-            spread[k] = np.hypot(std[after, :3], std[before, :3]) / (time[after] - time[before])
-            spread[k] = np.hypot(spread[k], UNEVEN_M_PER_S * baseline_s / BASELINES_S[0])
+            span = time[after] - time[before]
+            velocity[k, lacks] = ((seen[after, :3] - seen[before, :3]) / span)[lacks]
+            noise = np.hypot(std[after, :3], std[before, :3]) / span
+            spread[k, lacks] = np.hypot(noise, UNEVEN_M_PER_S * baseline_s / BASELINES_S[0])[lacks]
     return velocity, spread
 
 
@@ -175,7 +177,7 @@ def _with_course(
     speed = np.hypot(velocity[:, 0], velocity[:, 1])
     with np.errstate(invalid="ignore", divide="ignore"):
         course_std = spread[:, :2].max(axis=1) / speed
-        able = (course_std < settings.course_std) & (speed > settings.speed)
+        able = (course_std < settings.course_std) & (speed > settings.speed) & np.isfinite(velocity).all(axis=1)
     return np.flatnonzero(able & _inside(time, stamp))
 
 
