@@ -92,7 +92,8 @@ def test_simulate_check_and_indices_make_a_round_trip(here, capsys):
     assert cli.main(["check", *runs]) == 0
     out, err = capsys.readouterr()
     assert err == ""
-    assert [line.split(":")[:2] for line in out.splitlines()] == [[name, " usable"] for name in runs]
+    said = "usable for indices, estimate, discover"
+    assert [line.split(": ")[:2] for line in out.splitlines() if ": " in line] == [[name, said] for name in runs]
 
     assert cli.main(["indices", *runs, "--out", "indices.csv"]) == 0
     out, err = capsys.readouterr()
@@ -279,9 +280,10 @@ def test_verdict_comes_before_numbers_and_the_table_is_readable(here, capsys):
     filtered = np.convolve(rng.normal(0, 1e-3, 3010), np.ones(11) / 11, "valid")
     log.from_samples({"gyro_x": rng.normal(0, 1e-3, 3000), "gyro_y": filtered}, 0.01).to_csv("two.csv")
     assert cli.main(["estimate", "two.csv", "--terms", "white_noise"]) == 0
-    first, second, blank, titles, *rows = capsys.readouterr().out.splitlines()
+    first, second, third, blank, titles, *rows = capsys.readouterr().out.splitlines()
     assert first.startswith("gyro_y: THE MODEL DOES NOT FIT THE LOG: misfit at")
     assert second == "gyro_x: fits."
+    assert "`imugap discover` finds what it lacks" in third
     assert blank == ""
     assert titles.split("  ")[0] == "axis"
     assert len(rows) == 2
@@ -304,6 +306,15 @@ def rest(here):
         for axis, level in zip(log.AXES, levels, strict=True)
     }
     log.from_samples(samples, 0.05).to_csv("rest.csv")
+
+
+def test_the_file_for_a_filter_says_of_which_axis_the_model_does_not_fit(rest):
+    still = recording.read("rest.csv").log
+    still["gyro_y"] += 1e-3 * np.cos(2 * np.pi * 7 * still.index.to_numpy())
+    still.to_csv("rest.csv")
+    text, _ = kalibr("kalibr", "--terms", "white_noise")
+    said = [line for line in text.splitlines() if "DOES NOT FIT" in line]
+    assert [line.split(":")[0] for line in said] == ["# THE MODEL DOES NOT FIT THE LOG of gyro_y"]
 
 
 def test_a_log_becomes_a_file_of_kalibr_in_one_step_with_an_upper_bound_of_the_walk(rest):

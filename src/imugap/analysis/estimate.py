@@ -54,7 +54,7 @@ class LogEstimate:
         return float(f"{1 / self.regular.interval:.9g}")
 
     def export(self, target: Target, rule: Rule, gravity: float) -> ExportedFile:
-        """Return the file for a filter: estimates, bounds for what the log hides, and its bias at rest.
+        """Return the file for a filter: estimates, bounds for what the log hides, its bias at rest, any misfit.
 
         Parameters
         ----------
@@ -68,7 +68,8 @@ class LogEstimate:
         bounds: dict[str, tuple[Effect, ...]] = {}
         if target is not Target.IMUGAP and target not in PROGRAMS:
             bounds = {one.axis: limits for one in self.axes if (limits := report.bounds(one))}
-        return exported(ErrorModel(axes), target, rule, bounds, distance)
+        misfits = [f"THE MODEL DOES NOT FIT THE LOG of {one.axis}: {one.goodness}" for one in self.axes if not one.fits]
+        return exported(ErrorModel(axes), target, rule, bounds, distance, misfits)
 
 
 def require_axes(recording: Recording, asked: Sequence[str] = ()) -> list[str]:

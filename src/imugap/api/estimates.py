@@ -81,9 +81,10 @@ class Estimated(Result):
 
     @property
     def verdict(self) -> str:
-        """Goodness of fit of each axis in words, those that do not fit first."""
+        """Goodness of fit of each axis in words, those that do not fit first; then what to do about these."""
         bad = [f"{one.axis}: THE MODEL DOES NOT FIT THE LOG: {one.verdict()}" for one in self.axes if not one.fits]
-        return "\n".join([*bad, *(f"{one.axis}: {one.verdict()}" for one in self.axes if one.fits)])
+        good = [f"{one.axis}: {one.verdict()}" for one in self.axes if one.fits]
+        return "\n".join([*bad, *good, *([report.NEXT] if bad else [])])
 
     def export(
         self,

@@ -34,6 +34,8 @@ SEPARATING = 8
 """Width of the wavelet filter that keeps octaves above the highest frequency apart from those below."""
 NARROWINGS = 3
 """Most selections below lower and lower frequencies."""
+NEXT = "Parameters of a model that does not fit are not yet those of the device: `imugap discover` finds what it lacks."
+"""What to do where a model does not fit its log."""
 ONE_SIDED = 0.9
 """Level of a two-sided interval whose upper end is the one-sided 95 % limit."""
 
@@ -259,7 +261,7 @@ def estimate_axis(
         raise ValueError(f"{axis}: {error}") from error
     remarks = screened.sentences(interval, start)
     if found and isfinite(found.highest) and found.highest != settings.highest:
-        remarks.append(f"Above {found.highest:.3g} Hz the noise is coloured, as by an output filter: estimated below")
+        remarks.append(f"Above {found.highest:.3g} Hz the noise is coloured, as by an output filter, and is not used")
     if term is not None:
         fit = replace(fit, model=fit.model + term.effect, estimates=(*fit.estimates, *term.estimates))
         remarks.append("The temperature of the log explains a part of the bias, which is not a random process")

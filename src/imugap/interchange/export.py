@@ -115,6 +115,7 @@ def exported(
     rule: Rule,
     bounds: Mapping[str, Sequence[Effect]] = MappingProxyType({}),
     distance: Distance | None = None,
+    remarks: Sequence[str] = (),
 ) -> ExportedFile:
     """Return the file for a target with what it leaves out.
 
@@ -127,6 +128,8 @@ def exported(
         for what the tool requires, and the file states that they are limits.
     distance
         Distance of a log from simulations without an effect, which is stated of each that is left out; None for none.
+    remarks
+        Notes on the model, before all others; a program and the own state space have no place for them.
     """
     if target in PROGRAMS:
         return ExportedFile(program(model, PROGRAMS[target], rule.rate), tuple(omitted(model, target, rule)))
@@ -134,7 +137,7 @@ def exported(
         return ExportedFile(_own(model, rule), ())
     own, lines = _written(model, target, rule, bounds)
     lacking = tuple(omitted(model, target, rule, distance))
-    said = (*own, *(f"Left out: {one}" for one in lacking))
+    said = (*remarks, *own, *(f"Left out: {one}" for one in lacking))
     comment = _comment(target)
     if comment is None:
         return ExportedFile("\n".join(lines) + "\n", lacking, said)

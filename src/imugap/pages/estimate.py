@@ -23,7 +23,11 @@ def page(found: LogEstimate, gravity: float) -> Page:
     rule = Rule(found.rate_hz, HORIZON)
     return Page(
         "Which random errors has the device?",
-        (verdict, *(f"{one.axis}: {one.verdict()}" for one in (*bad, *(a for a in found.axes if a.fits)))),
+        (
+            verdict,
+            *(f"{one.axis}: {one.verdict()}" for one in (*bad, *(a for a in found.axes if a.fits))),
+            *((report.NEXT,) if bad else ()),
+        ),
         not bad and not found.failed,
         (
             Part("Allan deviations", (Text(ALLAN), _curves(found))),
