@@ -95,11 +95,12 @@ class RecordingCheck:
     def verdict(self) -> str:
         """Return in words for which commands the recording is usable, and the next step for the others."""
         usable = [name for name in self.commands if name not in self.never]
+        able = f"usable for {', '.join(usable)}"
         if not self.never:
             names = ", ".join(dict.fromkeys(one.name for one in self.findings))
-            return f"usable with {names}: {self.summary}" if names else f"usable: {self.summary}"
+            return f"{able}{f' with {names}' if names else ''}: {self.summary}"
         steps = "; ".join(dict.fromkeys(one.step for one in self.findings if one.step and NEVER in one.consequences))
-        able = f"usable for {', '.join(usable)}, not for" if usable else "not usable for"
+        able = f"{able}, not for" if usable else "not usable for"
         return f"{able} {', '.join(self.never)}: {self.summary}" + (f"; next: {steps}" if steps else "")
 
 
