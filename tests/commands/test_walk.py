@@ -58,6 +58,10 @@ def test_the_folder_is_whole_and_says_how_far_the_walk_went_and_where_it_ended(h
     assert [one["sha256"] for one in given] == [sha256(Path(one["path"]).read_bytes()).hexdigest() for one in given]
     found = strict_json.load("found/summary.json")
     assert json.loads(capsys.readouterr().out) == found
+    lengths = pd.read_csv("found/strides.csv")["length"]
+    page = Path("found/report.html").read_text()
+    assert f"Median stride: {lengths.median():.3g} m in " in page
+    assert f"± {found['end_horizontal_m' + STD]:.2g} m from where it began" in page
     assert found["strides"] == STRIDES
     assert found["duration_s"] == pytest.approx(recipe.duration_s, abs=0.01)
     assert abs(found["distance_m"] - STRIDES * recipe.gait.length_m) < 3 * found["distance_m_std"] < 1.0

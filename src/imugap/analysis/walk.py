@@ -86,12 +86,12 @@ class NavigatedWalk:
         """Return in words how far the walk went, and where it ended."""
         one = self.summary()
         off, std = one["end_horizontal_m"], one["end_horizontal_m" + STD]
-        share = f", {off / one['distance_m']:.2%} of the distance" if one["distance_m"] > 0 else ""
+        share = f" ({off / one['distance_m']:.2%} of the distance)" if one["distance_m"] > 0 else ""
         return (
             f"The walk went {one['distance_m']:.2f} m in {one['strides']} strides and {one['duration_s']:.1f} s.\n"
-            f"It ended {off:.2f} m from where it began, to {std:.2g} m (one standard deviation){share}; "
-            f"{one['end_vertical_m']:+.2f} m in height, to {one['end_vertical_m' + STD]:.2g} m, and turned by "
-            f"{one['end_heading_deg']:.1f}°, to {one['end_heading_deg' + STD]:.2g}°."
+            f"It ended {off:.2f} ± {std:.2g} m from where it began{share}, "
+            f"{one['end_vertical_m']:+z.2f} ± {one['end_vertical_m' + STD]:.2g} m in height, and turned by "
+            f"{one['end_heading_deg']:z.1f} ± {one['end_heading_deg' + STD]:.2g}° (± one standard deviation)."
         )
 
     def strides(self) -> pd.DataFrame:
@@ -99,6 +99,7 @@ class NavigatedWalk:
 
         Columns ``start``, ``end``, ``duration`` [s] between the middles of stances, ``length``, ``rise``, ``clearance``
         [m], the largest height of the device over the line between both ends, and ``heading`` of the stride [deg].
+        The first and the last stride have half of the stand beside them in their duration.
         """
         found, one = self.smoothed.strides(), self.smoothed
         time, down = one.trajectory.index.to_numpy(), one.trajectory["down"].to_numpy()

@@ -9,8 +9,8 @@ TITLES = {
     "distance_m": "distance [m]",
     "duration_s": "duration [s]",
     "strides": "strides",
-    "end_horizontal_m": "end from begin, horizontal [m]",
-    "end_vertical_m": "end above begin [m]",
+    "end_horizontal_m": "horizontal offset [m]",
+    "end_vertical_m": "vertical offset [m]",
     "end_heading_deg": "change of heading [°]",
 }
 SENTENCES = {
@@ -23,16 +23,17 @@ COLUMNS = {
     "clearance": "clearance [m]", "heading": "heading [°]",
 }  # fmt: skip
 ACCURACY = (
-    "Positions are relative to the begin, north is the heading of the device there. Deviations are standard deviations "
-    "that the filter states; after each stance the position is held by the velocity of zero, and the heading drifts "
-    "freely."
+    "Offsets are those of the end from the begin. Positions are relative to the begin, north is the heading of the "
+    "device there. Deviations are standard deviations that the filter states; after each stance the position is held "
+    "by the velocity of zero, and the heading drifts freely."
 )
+BETWEEN = "Strides between the middles of stances; the first and the last hold half of the stand beside them."
 
 
 def page(found: NavigatedWalk) -> Page:
     """Compose the page of a walk."""
     summary, strides = found.summary(), found.strides()
-    extent = tuple((title, f"{summary[key]:.5g}", f"{summary[key + STD]:.2g}") for key, title in TITLES.items())
+    extent = tuple((title, f"{summary[key]:.5g}", _sigma(summary[key + STD])) for key, title in TITLES.items())
     numbers = ([f"{row[name]:.4g}" for name in COLUMNS] for row in strides.to_dict("records"))
     rows = tuple((str(ordinal), *row) for ordinal, row in enumerate(numbers, start=1))
     begin_end = Picture(
@@ -44,7 +45,9 @@ def page(found: NavigatedWalk) -> Page:
         Picture(walk.over_time(found.smoothed, name), sentence, f"Curve of the {name} over time")
         for name, sentence in SENTENCES.items()
     ]
-    table = DataTable("Strides between the middles of stances.", ("stride", *COLUMNS.values()), rows)
+    table = DataTable(BETWEEN, ("stride", *COLUMNS.values()), rows)
+    medians = strides[["length", "duration", "clearance"]].median()
+    usual = "Median stride: {length:.3g} m in {duration:.3g} s, clearance {clearance:.2g} m.".format(**medians)
     return Page(
         "Where did the walk go, and where did it end?",
         tuple(found.verdict().splitlines()),
@@ -52,6 +55,11 @@ def page(found: NavigatedWalk) -> Page:
         (
             Part("Path", (Gallery((begin_end,)), DataTable("Extent.", ("", "value", "σ"), extent), Text(ACCURACY))),
             Part("Over time", (Gallery(tuple(over_time)),)),
-            Part("Strides", (Fold(f"All {len(rows)} strides", (table,)),) if rows else ()),
+            Part("Strides", (Text(usual), Fold(f"All {len(rows)} strides", (table,))) if rows else ()),
         ),
     )
+
+
+def _sigma(std: float) -> str:
+    """Return a standard deviation, a dash for a number without one."""
+    return f"{std:.2g}" if std > 0 else "–"
