@@ -3,7 +3,6 @@
 import numpy as np
 
 from imugap import log
-from imugap.discovery.evaluation.distance import HeldOutComparison
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel
 from imugap.model import ErrorModel
@@ -18,6 +17,8 @@ def distance(full: AxisModel, without: AxisModel, conditions: Conditions) -> flo
     The logs have the length of ``conditions``; their second half is compared. 1 is the distance of two logs of one
     model.
     """
+    from imugap.discovery.evaluation.distance import HeldOutComparison  # takes seconds, and most exports need none
+
     axis = conditions.axis
     models = {"after": ErrorModel({axis: full}), "before": ErrorModel({axis: without})}
     ideal = log.from_samples({axis: np.zeros(len(conditions))}, conditions.interval)

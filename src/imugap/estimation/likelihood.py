@@ -24,7 +24,7 @@ likelihood is Whittle's in the cosine basis, whose leakage is that of a sequence
 """
 
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numba import njit
@@ -67,6 +67,7 @@ class Grid:
     odd: int
 
     @classmethod
+    @lru_cache(maxsize=8)
     def of(cls, count: int, interval: float, highest: float = np.inf) -> "Grid":
         """Return the grid of ``count`` samples, without the coefficients above ``highest`` [Hz]."""
         last = int(min(count - 1, 2 * count * interval * highest))
@@ -100,7 +101,11 @@ def _edges(count: int) -> np.ndarray:
 
 def _end_point(index: np.ndarray, count: int) -> np.ndarray:
     """Return a_k, the cosine coefficients of a unit first sample."""
-    return np.sqrt(2 / count) * np.cos(np.pi * index / (2 * count))
+    angle = np.pi * index
+    angle /= 2 * count
+    np.cos(angle, out=angle)
+    angle *= np.sqrt(2 / count)
+    return angle
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,8 +144,9 @@ class Cosines:
             time = interval * (np.arange(len(sequence)) - (len(sequence) - 1) / 2)
             slope = float((time @ centred) / (time @ time))
             centred -= slope * time
-        coefficients = dct(centred, norm="ortho")
-        weighted = coefficients * _end_point(np.arange(len(sequence)), len(sequence))
+        coefficients = dct(centred, norm="ortho", overwrite_x=True)
+        weighted = _end_point(np.arange(len(sequence)), len(sequence))
+        weighted *= coefficients
         last = int(grid.number.sum())
         power, cross = [], []
         for first, edges in zip((2, 1), grid.edges, strict=True):

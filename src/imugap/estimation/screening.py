@@ -299,7 +299,8 @@ def _crowded(large: np.ndarray, width: int) -> np.ndarray:
     """Return the windows, by their middle sample, that hold too many large samples for independent ones."""
     if len(large) < width:
         return np.zeros(len(large), bool)
-    count = np.rint(uniform_filter1d(large.astype(float), width, mode="constant") * width)
+    before = np.cumsum(np.concatenate([np.zeros(width // 2 + 1, bool), large, np.zeros(width, bool)]), dtype=np.int32)
+    count = (before[width:] - before[:-width])[: len(large)]
     share = max(float(np.mean(large)), 2e-2)
     limit = next(k for k in range(width + 1) if bdtrc(k, width, share) < IMPROBABLE)
     return count > limit

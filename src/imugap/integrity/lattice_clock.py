@@ -69,7 +69,8 @@ def lattice_slots(time: np.ndarray, interval: float) -> np.ndarray:
     interval = _tuned(time, interval)
     cycles = (time - time[0]) / interval
     edges = np.arange(0, max(len(time) - BLOCK // 2, 1), BLOCK)
-    turns = np.add.reduceat(np.exp(2j * np.pi * cycles), edges)
+    real, imaginary = (np.add.reduceat(part(2 * np.pi * cycles), edges) for part in (np.cos, np.sin))
+    turns = real + 1j * imaginary
     sizes = np.diff(np.r_[edges, len(time)])
     phase = np.unwrap(np.angle(turns) / (2 * np.pi), period=1.0)
     cycles -= np.interp(np.arange(len(time)), edges + (sizes - 1) / 2, phase)

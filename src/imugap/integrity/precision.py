@@ -12,6 +12,8 @@ DIGITS = 14
 """Decimal digits of a double after a conversion of units."""
 SAMPLE = 200
 """Numbers on which a format is tested before all."""
+PART = 1 << 16
+"""Numbers that are tested at once."""
 SEVERAL = 8
 """Fewest levels to separate a lattice from its clipped ends, or to identify a number of digits."""
 UNITS = ("1", "deg", "g")
@@ -92,6 +94,13 @@ def _decades(values: np.ndarray) -> np.ndarray:
 
 
 def _fits(values: np.ndarray, exponents: np.ndarray | int) -> bool:
-    """Return whether all values are multiples of powers of ten."""
+    """Return whether all values are multiples of powers of ten, part by part."""
+    every = np.broadcast_to(exponents, values.shape)
+    return all(
+        _fit(values[begin : begin + PART], every[begin : begin + PART]) for begin in range(0, max(len(values), 1), PART)
+    )
+
+
+def _fit(values: np.ndarray, exponents: np.ndarray) -> bool:
     ratio = values / 10.0**exponents
     return bool(np.all(np.abs(ratio - np.rint(ratio)) <= 8 * np.finfo(float).eps * np.maximum(ratio, 1.0)))

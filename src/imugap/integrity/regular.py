@@ -254,7 +254,7 @@ def without_power(table: pd.DataFrame) -> np.ndarray:
     """
     names = list(axes(table))
     off = np.all(table[names].to_numpy(float) == 0, axis=1)
-    if set(ACCEL) <= set(names) and np.nanmedian(np.linalg.norm(table[list(ACCEL)], axis=1)) > HEAVY:
+    if set(ACCEL) <= set(names) and np.nanmedian(np.sqrt(sum(table[name].to_numpy() ** 2 for name in ACCEL))) > HEAVY:
         return off
     brief = np.diff(runs_of(off)) < BRIEF
     if off.mean() > CLIPPED or brief.any():
@@ -363,13 +363,12 @@ def _true_samples(log: pd.DataFrame, interval: float) -> tuple[dict[str, AxisSam
         names = [name for name in triad if name in log]
         if not names:
             continue
-        columns = log[names].to_numpy(float)
-        known = columns[~np.isnan(columns).any(axis=1)]
-        slow = held(known)
+        slow = held(_known(log[names].to_numpy(float)))
         if slow is not None:
             remarks.append(_slower(names, slow, interval, "repeat"))
         between: dict[float, list[str]] = {}
-        for name, values in zip(names, columns.T, strict=True):
+        for name in names:
+            values = log[name].to_numpy(float)
             sampling = slow or interpolated(values)
             if sampling is not None and slow is None:
                 between.setdefault(round(sampling.rows, 3), []).append(name)
@@ -379,6 +378,12 @@ def _true_samples(log: pd.DataFrame, interval: float) -> tuple[dict[str, AxisSam
             _slower(some, TrueSampling(rows, True), interval, "are interpolated") for rows, some in between.items()
         ]
     return found, remarks
+
+
+def _known(columns: np.ndarray) -> np.ndarray:
+    """Return the rows without NaN of ``columns``, shape (n, axes)."""
+    lost = np.isnan(columns).any(axis=1)
+    return columns[~lost] if lost.any() else columns
 
 
 def _slower(names: list[str], sampling: TrueSampling, interval: float, how: str) -> Remark:

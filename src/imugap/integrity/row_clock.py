@@ -11,6 +11,7 @@ from typing import NoReturn
 import numpy as np
 
 from imugap.log import LogError
+from imugap.numerics.straight_line import slope
 
 SHORT, LONGEST = 16, 512
 """Rows of a short span, and most rows of a long one."""
@@ -138,7 +139,7 @@ def slots(time: np.ndarray, longest: float | None = None) -> tuple[np.ndarray, f
             before, after = level[max(at - WINDOW, 0) : at], level[at : at + WINDOW]
             lost[at] = max(round((np.median(after) - np.median(before)) / interval), 0)
         result = np.arange(count) + np.cumsum(lost)
-        interval = float(np.polyfit(result, time - time[0], 1)[0])
+        interval = slope(result, time)
     return result, interval
 
 

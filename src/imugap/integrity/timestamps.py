@@ -21,6 +21,7 @@ from imugap.integrity.precision import grain
 from imugap.integrity.row_clock import every_row_is_a_sample, in_order, longest_rounded_step, rate_change, single_losses
 from imugap.integrity.row_clock import slots as slots_of_rows
 from imugap.log import TIME, LogError, check, interval
+from imugap.numerics.straight_line import slope
 
 BLURRED = 0.8
 """Rounding of the stamps [intervals], if it does not divide the interval, above which the clock is not observable."""
@@ -215,7 +216,7 @@ def _of_lattice(whole: Continued, advancing: np.ndarray, rounding: np.ndarray, n
     _require_dense(good, nominal)
     slots = np.full(len(whole.time), -1)
     slots[advancing] = lattice_slots(good, nominal)
-    mean = float(np.polyfit(slots[advancing], good - good[0], 1)[0])
+    mean = slope(slots[advancing], good)
     interval = nominal if abs(mean - nominal) * slots.max() < nominal / 2 else mean
     return Stamps(whole.time, interval, _filled(slots, advancing), advancing, rounding, True, whole.remarks)
 

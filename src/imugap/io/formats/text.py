@@ -295,6 +295,7 @@ def _read(path: Path, dialect: Dialect, kinds: Mapping[int, pa.DataType]) -> Ite
     with _stream(path, dialect) as stream, pa.csv.open_csv(stream, reading, parsing, converting) as reader:
         for batch in reader:
             yield {column: batch.column(str(column)) for column in kinds}
+    pa.default_memory_pool().release_unused()
 
 
 def _skip_comment(row) -> str:
