@@ -99,6 +99,8 @@ def test_the_folder_is_whole_and_says_where_the_vehicle_was(here, lap, capsys, s
     for name in ("set_aside", "weighed_down", "offset_opened", "offset_closed"):
         assert found[name] == (events["event"] == name.replace("_", " ")).sum()
     assert found["set_aside"] >= 1
+    page = Path("found/report.html").read_text()
+    assert f"s long. It starts {found['start_s']:.3g} s into the log" in page
 
 
 @pytest.mark.slow

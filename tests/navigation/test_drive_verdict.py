@@ -1,5 +1,6 @@
 """Device and fixes that contradict each other: the error is named and corrected or refused; sound drives pass."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -54,6 +55,14 @@ def test_a_sound_drive_passes_without_a_word(level, run, dropped):
     assert found.agrees
     assert found.factor == 1.0
     assert str(found) == "Device and fixes agree."
+
+
+def test_a_sound_drive_with_a_stretch_of_gross_errors_says_what_share_of_the_fixes_does_not_fit(level):
+    fixes = level.fixes(1, SEED)
+    fixes.loc[(fixes.index >= 60) & (fixes.index < 62.5), "latitude"] += 40 / 6.4e6
+    found = verdict(level, fixes).verdict
+    assert found.agrees
+    assert re.fullmatch(r"Device and fixes agree, but for [1-4]\.\d% of the fixes, which count .*", str(found))
 
 
 @pytest.mark.parametrize("seconds", [18.0, -7.3, 0.2])

@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import chdtri
 
+from imugap.filters.innovation_gate import QualityControl
 from imugap.io.gnss import PLACE_STD, VELOCITY_STD
 from imugap.navigation.correction import Correction
 from imugap.navigation.drive_error_search import FAILING, LARGEST_NIS, InnovationFit, deviations, solve
@@ -31,6 +32,8 @@ FALSE_ALARM = 1e-6
 """Probability that the outage test of a consistent filter fails."""
 LARGEST_SMOOTHER = 6.0
 """Mean square of smoother less filter over the expected one above which they disagree."""
+EXCEPTIONAL = 10 * QualityControl().false_alarm
+"""Share of fixes that fail the test of the innovations from which on it is stated."""
 SMALLEST_SHARE = 0.05
 """Share of the filter's variance that smoothing has to take for a comparison."""
 
@@ -91,8 +94,13 @@ class DriveVerdict:
             parts.append(f"device and fixes do not agree: {'; '.join(self.reasons)}; nothing that was tried corrects "
                          f"it, and the stated deviations are multiplied by {self.factor:.2g}")  # fmt: skip
         else:
-            parts.append("device and fixes agree" + (" then" if self.corrections else ""))
+            parts.append("device and fixes agree" + (" then" if self.corrections else "") + self._exceptions())
         return ". ".join(one[0].upper() + one[1:] for one in parts) + "."
+
+    def _exceptions(self) -> str:
+        """Return the share of fixes that do not fit, in words; nothing where it may be chance."""
+        share = self.fit.failing
+        return f", but for {share:.1%} of the fixes, which count less or not at all" if share > EXCEPTIONAL else ""
 
 
 def judge(

@@ -32,13 +32,13 @@ def page(found: NavigatedDrive) -> Page:
     events = tuple((name, str(summary[name.replace(" ", "_")])) for name in COUNTED)
     return Page(
         "Where did the vehicle go, and do device and receiver agree?",
-        (str(verdict), f"The drive is {summary['distance_m']:.5g} m and {summary['duration_s']:.4g} s long."),
+        (str(verdict), _extent(found, summary)),
         verdict.agrees,
         (
             Part("What to write into the configuration", (Text(CORRECTIONS), Points(corrected)) if corrected else ()),
             Part("Path", (Gallery((_track(found),)), Text(MAPS), DataTable("Extent.", ("", "value"), extent))),
             Part("Over time", (_over_time(found),)),
-            Part("Errors of the sensors", (Text(ERRORS), _sensors(found), _settings(summary))),
+            Part("Errors of the sensors", (Text(ERRORS), _sensors(found), _settings(summary), Text(GIVEN))),
             Part(
                 "Quality of the fixes",
                 (Text(CONSISTENCY), Points((nis,)), _quality(found), DataTable("Events.", ("event", "fixes"), events)),
@@ -56,6 +56,20 @@ ERRORS = (
     "What the filter takes off the sensors, with one standard deviation. An error that stays within its band around "
     "zero is one that the drive does not show."
 )
+GIVEN = (
+    "The time offset is what is added to the stamps of the fixes. A setting with – is used as given, and corrected only "
+    "where it contradicts the drive; in the configuration, lever_arm: {std_m: 2} and time_offset: {std_s: 0.3} have them "
+    "estimated, which takes turns and changes of speed."
+)
+
+
+def _extent(found: NavigatedDrive, summary: dict) -> str:
+    """Return in words how long the drive is, and where in the log it starts."""
+    before = summary["start_s"] - found.inputs.log.index[0]
+    return (
+        f"The drive is {summary['distance_m']:.5g} m and {summary['duration_s']:.4g} s long. It starts {before:.3g} s "
+        "into the log, at the first fix that gives the course."
+    )
 
 
 def _track(found: NavigatedDrive) -> Picture:
@@ -93,8 +107,10 @@ def _sensors(found: NavigatedDrive) -> Gallery:
 def _settings(summary: dict) -> DataTable:
     """Return the settings in use that the drive itself shows."""
     offset, arm = summary["time_offset_s"], summary["lever_arm_m"]
-    rows = [("time of the fixes after that of the log [s]", f"{offset['value']:.3g}", f"{offset['std']:.2g}")]
-    rows += [(f"lever arm {axis} [m]", f"{one['value']:.3g}", f"{one['std']:.2g}") for axis, one in arm.items()]
+    named = {"time offset [s]": offset} | {f"lever arm {axis} [m]": one for axis, one in arm.items()}
+    rows = [
+        (title, f"{one['value']:.3g}", f"{one['std']:.2g}" if one["std"] > 0 else "–") for title, one in named.items()
+    ]
     return DataTable("Settings of the device in the vehicle, as estimated at the end.", ("", "value", "σ"), tuple(rows))
 
 
