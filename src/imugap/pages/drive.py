@@ -57,8 +57,8 @@ ERRORS = (
     "zero is one that the drive does not show."
 )
 GIVEN = (
-    "The time offset is what is added to the stamps of the fixes. A setting with – is used as given, and corrected only "
-    "where it contradicts the drive; in the configuration, lever_arm: {std_m: 2} and time_offset: {std_s: 0.3} have them "
+    "The time offset is added to the stamps of the fixes. A setting with – is used as given, and corrected only where "
+    "it contradicts the drive; in the configuration, lever_arm: {std_m: 2} and time_offset: {std_s: 0.3} have them "
     "estimated, which takes turns and changes of speed."
 )
 
