@@ -35,6 +35,7 @@ from imugap.effects.stuck_samples import StuckSamples
 from imugap.effects.temperature import Temperature
 from imugap.effects.time_offset import TimeOffset
 from imugap.effects.timestamp_jitter import TimestampJitter
+from imugap.effects.torn_words import TornWords
 from imugap.effects.turn_on_bias import TurnOnBias
 from imugap.effects.variance_change import VarianceChange
 from imugap.effects.vibration_rectification import VibrationRectification
