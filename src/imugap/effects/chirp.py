@@ -40,6 +40,7 @@ class Chirp(SystematicEffect):
     name: ClassVar[str] = "chirp"
     most: ClassVar[int] = 3
     tonal: ClassVar[bool] = True
+    essential: ClassVar[tuple[str, ...]] = ("chirp_rate",)
     memoryless: ClassVar[bool] = True
     frequency: float = parameter("Hz", "f, frequency at power-on")
     chirp_rate: float = parameter("Hz/s", "c, change of the frequency per time", low=-np.inf)

@@ -179,6 +179,8 @@ class Effect:
     """Whether it is a line of the spectrum, of one ``frequency``."""
     tonal: ClassVar[bool] = False
     """Whether it is a tone, steady or not, whose phase differs from run to run."""
+    essential: ClassVar[tuple[str, ...]] = ()
+    """Parameters that are not zero; else it is another effect."""
     replaced: ClassVar[bool] = False
     """Whether discovery replaces the samples that it spoils."""
     memoryless: ClassVar[bool] = False

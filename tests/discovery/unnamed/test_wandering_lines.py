@@ -29,6 +29,7 @@ def wandering():
     return np.interp(time, knots, size) * np.cos(2 * np.pi * LINE_HZ * time + np.interp(time, knots, phase))
 
 
+@pytest.mark.slow
 def test_a_wandering_line_is_found_as_one_band():
     _, found = explored(sequence(line=4e-3), *KINDS)
     (band,) = wandering_lines.find_bands(found)

@@ -90,8 +90,12 @@ def _has_sidebands(fit: AxisFit, index: int) -> bool:
 
 
 def _unresolved_parameter(candidate: Candidate) -> Misfit | None:
-    """Return a misfit where the interval of a positive parameter reaches zero, or None."""
-    limits = candidate.effect.limits()
-    ends = term_intervals(candidate.fit, candidate.index)
-    lost = [name for name, (low, _) in ends.items() if limits[name][0] == TINY and low <= TINY]
-    return Misfit(f"the log does not tell its {lost[0]}", -np.inf) if lost else None
+    """Return a misfit where the interval of a positive or an essential parameter reaches zero, or None."""
+    effect, ends = candidate.effect, term_intervals(candidate.fit, candidate.index)
+    limits = effect.limits()
+    lost = [
+        name
+        for name, (low, high) in ends.items()
+        if (limits[name][0] == TINY and low <= TINY) or (name in effect.essential and low <= 0 <= high)
+    ]
+    return Misfit(f"the log does not tell its {lost[0].replace('_', ' ')}", -np.inf) if lost else None
