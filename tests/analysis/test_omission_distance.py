@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from imugap.analysis.omission_distance import distance
-from imugap.effects import RandomWalk, Sinusoid, WhiteNoise
+from imugap.effects import RandomTelegraph, RandomWalk, Resolution, Sinusoid, WhiteNoise
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel
 
@@ -23,5 +23,6 @@ def test_the_distance_grows_with_the_effect():
     assert 1.5 < far[0] < far[1] < far[2]
 
 
-def test_axes_without_any_noise_are_compared_too():
-    assert distance(AxisModel((Sinusoid(5.0, 1.0),)), AxisModel(()), AT_REST) > 1.0
+@pytest.mark.parametrize("without", [(), (RandomTelegraph(1.0, 1e-9),), (Sinusoid(3.0, 1.0), Resolution(100.0))])
+def test_without_noise_the_distance_has_no_scale(without):
+    assert distance(AxisModel((*without, Sinusoid(5.0, 1e4))), AxisModel(without), AT_REST) == np.inf

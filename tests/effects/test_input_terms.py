@@ -76,6 +76,13 @@ def test_vibration_rectification_of_the_own_component_knows_no_other():
     np.testing.assert_allclose(own, VibrationRectification(0.04).sample(replace(at, ideal=alone), stream(1)))
 
 
+@pytest.mark.parametrize("window", [1e4, 1e30])
+def test_vibration_rectification_by_a_window_longer_than_the_log_is_that_of_the_log(window):
+    at = moving(400, "accel_y")
+    power = at.ideal[list(log.ACCEL)].var(ddof=0).sum()
+    np.testing.assert_allclose(VibrationRectification(2.0, window).sample(at, stream(1)), 2 * power, rtol=1e-9)
+
+
 def test_motion_slower_than_the_window_is_no_vibration():
     at = moving(400, "accel_y")
     buzz = stream(11, "buzz").standard_normal(400)

@@ -22,6 +22,11 @@ def test_telegraph_switches_between_uneven_stamps_as_a_poisson_process_does():
         assert as_often_as(signs[:, k] != signs[:, k + 1], (1 - np.exp(-2 * 2.5 * gap)) / 2), gap
 
 
+def test_telegraph_of_any_rate_has_either_value_between_samples():
+    signs = draws(RandomTelegraph(2.0, 1e30), 4000, 2, "fast")
+    assert as_often_as(signs[:, 0] != signs[:, 1], 0.5)
+
+
 def test_telegraph_is_no_gaussian_process_and_has_no_state_space():
     with pytest.raises(ValueError, match="random_telegraph: expected a process with a state space"):
         RandomTelegraph(1.0, 1.0).state_space()

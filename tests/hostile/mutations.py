@@ -18,6 +18,7 @@ from tests.io.devices import write_ulog
 
 from imugap.effects import CATALOGUE
 from imugap.log import AXES
+from imugap.model import ErrorModel
 
 NUMBERS = (
     "nan", "inf", "-inf", "1e308", "-1e308", "1e-308", "5e-324", "1e160", "1e-160", "0", "-0.0", "-1", "1", "1e9",
@@ -397,26 +398,58 @@ FIX_FILES: tuple[Callable[[pd.DataFrame], tuple[str, list[str]]], ...] = (_nmea,
 
 
 def model_text(rng: Rng) -> str:
-    """Draw a model of effects of any kind and size, most of them valid, some with a fault in their text."""
-    axes = list(AXES) if rng.uniform() < 0.6 else rng.permutation([*AXES, "time"])[: rng.integers(1, 4)].tolist()
+    """Draw a model of effects of any kind and size, most of them valid, some with a fault in their text.
+
+    Half of the models have what a filter asks for: white noise on each of the six axes.
+    """
     spread = rng.choice([2, 10, 29])
-    model = {axis: [_effect(rng, spread) for _ in range(rng.integers(0, 4))] for axis in axes}
-    text = yaml.safe_dump(model, sort_keys=False)
-    if rng.uniform() < 0.4:
+    complete = rng.uniform() < 0.5
+    axes = AXES if complete else rng.permutation([*AXES, "time"])[: rng.integers(1, 8)].tolist()
+    model = {axis: [_effect(rng, axis, spread) for _ in range(rng.integers(0, 4))] for axis in axes}
+    if complete:
+        noise = {"white_noise": {"density": float(10 ** rng.uniform(-spread, spread))}}
+        model = {axis: [noise, *effects] for axis, effects in model.items()}
+    text = yaml.dump(model, Dumper=PlainDumper, sort_keys=False)
+    if rng.uniform() < 0.2:
         text = text_bytes(text.encode(), rng).decode("utf-8", errors="surrogateescape")
     if rng.uniform() < 0.2:
         text = yaml_values(text, rng)
     return text
 
 
-def _effect(rng: Rng, spread: float) -> dict:
+class PlainDumper(yaml.SafeDumper):
+    """Writer of YAML that repeats a value in full."""
+
+    def ignore_aliases(self, data: object) -> bool:
+        return True
+
+
+def _effect(rng: Rng, axis: str, spread: float) -> dict:
+    """Draw an effect, most of them valid on the axis."""
+    effect = _any_effect(rng, spread)
+    while rng.uniform() < 0.98 and not _valid(axis, effect):
+        effect = _any_effect(rng, spread)
+    return effect
+
+
+def _any_effect(rng: Rng, spread: float) -> dict:
     name = str(rng.choice(sorted(CATALOGUE) if rng.uniform() < 0.6 else ["white_noise", "random_walk", "gauss_markov"]))
     values = {}
     for item in fields(CATALOGUE[name]):
         low, high = max(item.metadata["low"], -1e30), min(item.metadata["high"], 1e30)
-        value = float(np.clip(rng.choice([1, 1, 1, -1]) * 10 ** rng.uniform(-spread, spread), low, high))
+        sign = rng.choice([1, 1, 1, -1]) if low < 0 else 1
+        value = sign * 10 ** rng.uniform(-spread, spread) * (rng.uniform() < 0.9 or low > 0)
+        value = float(np.clip(value, low, high))
         values[item.name] = round(value) if item.metadata["whole"] else value
     return {name: values}
+
+
+def _valid(axis: str, effect: dict) -> bool:
+    try:
+        ErrorModel.from_mapping({axis: [effect]})
+    except ValueError:
+        return False
+    return True
 
 
 def yaml_values(text: str, rng: Rng) -> str:

@@ -6,7 +6,7 @@ import pytest
 
 from imugap.integrity.packet_clock import packet_slots
 from imugap.integrity.timestamps import filled, stamps
-from imugap.log import from_samples, interval
+from imugap.log import LogError, from_samples, interval
 from imugap.stream import stream
 
 
@@ -69,3 +69,11 @@ def test_losses_of_several_samples_are_found_between_coarse_stamps():
 @pytest.mark.filterwarnings("error")
 def test_stamps_that_are_all_alike_come_in_no_packets():
     assert packet_slots(np.full(400, 15.96)) is None
+
+
+def test_rows_out_of_order_far_too_few_for_their_time_are_refused():
+    time = 0.01 * np.arange(400)
+    time[1::4], time[2::4] = time[2::4].copy(), time[1::4].copy()
+    time[200:] += 1e4
+    with pytest.raises(LogError, match="expected a row for one in 50 samples at least"):
+        stamps(time)

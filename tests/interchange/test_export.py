@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from imugap import log
+from imugap.analysis.omission_distance import distance
 from imugap.effects import (
     Bias,
     BiasInstability,
@@ -29,6 +30,7 @@ from imugap.effects import (
 from imugap.effects.effect import AxisModel
 from imugap.interchange.conventions import Rule, Triad
 from imugap.interchange.export import PROGRAMS, Target, export, held, notes, omitted
+from imugap.interchange.omissions import cost
 from imugap.model import ErrorModel
 from imugap.units import to_si
 
@@ -187,6 +189,14 @@ def test_what_an_omission_costs_is_the_ratio_of_allan_deviations():
     assert costs["sinusoid"] < 0.3
     of_white, of_steps = (one.allan_variance(0.01) for one in (white, quantized))
     assert costs["quantization"] == pytest.approx(np.sqrt(of_white / (of_white + of_steps)), rel=0.05)
+
+
+def test_what_an_omission_costs_is_said_of_sizes_without_measure_and_of_models_without_noise():
+    at = 0.01, 10.0
+    sizes = AxisModel((WhiteNoise(1e-30), RandomWalk(1e30)))
+    assert "Allan deviation is 1.7e-61 times" in cost("gyro_x", sizes, sizes.effects[1], *at).sentence()
+    alone = AxisModel((Sinusoid(5.0, 1.0),))
+    assert "no noise that a distance" in cost("gyro_x", alone, alone.effects[0], *at, distance).sentence()
 
 
 def test_matlab_and_gazebo_hold_more_than_noise():

@@ -12,7 +12,7 @@ from imugap import log
 from imugap.discovery import report
 from imugap.discovery.device import Discovery, Settings, discover
 from imugap.discovery.next_log import Advice, advise
-from imugap.discovery.preparation.prepare import MARGIN, in_reference_gap, outside, without_noise
+from imugap.discovery.preparation.prepare import MARGIN, in_reference_gap, measured, outside, without_noise
 from imugap.discovery.start_comparison import final_parameters
 from imugap.discovery.start_comparison.parameters import StartParameter, against_start
 from imugap.discovery.steps import Progress
@@ -209,7 +209,7 @@ def _usable(found: Recording) -> pd.DataFrame:
 
 def _varying(table: pd.DataFrame) -> dict[str, pd.Series]:
     """Return the finite values of the axes that have noise."""
-    finite = {axis: table[axis][np.isfinite(table[axis])] for axis in log.axes(table)}
+    finite = {axis: values.dropna() for axis, values in measured(table)[list(log.axes(table))].items()}
     return {axis: values for axis, values in finite.items() if not without_noise(values.to_numpy(float))}
 
 

@@ -11,6 +11,9 @@ from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import TINY, EquivalentEffect, Transform, parameter
 from imugap.effects.gauss_markov import GaussMarkov
 
+MOST_SWITCHES = 1e9
+"""Mean number of switches between samples above which an odd one is as probable as an even one, to rounding."""
+
 
 @dataclass(frozen=True)
 class RandomTelegraph(EquivalentEffect):
@@ -58,9 +61,9 @@ class RandomTelegraph(EquivalentEffect):
 
     def _switched(self, time: np.ndarray, before: float | None, rng: np.random.Generator) -> np.ndarray:
         """Return the number of switches, modulo 2 each, up to each time [s], since the sample before the first one."""
-        if before is None:
-            return np.r_[0, np.cumsum(rng.poisson(self.rate * np.diff(time)) % 2)]
-        return np.cumsum(rng.poisson(self.rate * np.diff(time, prepend=before)) % 2)
+        elapsed = np.diff(time) if before is None else np.diff(time, prepend=before)
+        switches = np.cumsum(rng.poisson(np.minimum(self.rate * elapsed, MOST_SWITCHES)) % 2)
+        return np.r_[0, switches] if before is None else switches
 
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step from sample to sample."""

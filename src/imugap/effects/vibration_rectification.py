@@ -91,8 +91,8 @@ class _Power:
 
 
 def _length(window: float, conditions: Conditions) -> int:
-    """Return the odd number of samples of a window [s]."""
-    return 2 * round(window / 2 / conditions.interval) + 1
+    """Return the odd number of samples of a window [s], at most such as covers all samples from any of them."""
+    return 2 * min(round(window / 2 / conditions.interval), len(conditions)) + 1
 
 
 def _step(own, x, now):

@@ -206,6 +206,7 @@ def _of_rows(whole: Continued, advancing: np.ndarray, rounding: np.ndarray, long
     With an upper limit ``longest`` [s] of their steps, the stamps are those of an even clock, but for rounding.
     """
     slots, interval = slots_of_rows(in_order(whole.time), longest)
+    _require_dense(whole.time[advancing], interval)
     even = longest is not None and rounding.max() < BLURRED * interval
     return Stamps(whole.time, interval, slots, advancing, rounding, even, whole.remarks)
 

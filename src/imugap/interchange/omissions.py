@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from math import isinf
 
 import numpy as np
 
@@ -30,7 +31,8 @@ class Omission:
         it takes a motion, a temperature or several runs to show.
     distance
         Distance of a log at rest from simulations without it, as discovery measures it; 1 if they are as alike as two
-        logs of the device. None where it is not asked for, or the effect does not show at rest.
+        logs of the device, infinite where the simulations have no scatter to measure it by. None where it is not asked
+        for, or the effect does not show at rest.
     """
 
     axis: str
@@ -42,8 +44,14 @@ class Omission:
     def sentence(self) -> str:
         """Return what is left out, how large it is, and what that costs, as text."""
         size = ", ".join(f"{name} {value:.6e}" for name, value in self.effect.parameters().items())
-        far = "" if self.distance is None else f"; distance {self.distance:.3g} (1: as alike as two logs of the device)"
-        return f"{self.axis} {self.effect.name} ({size}): {self._cost()}{far}"
+        return f"{self.axis} {self.effect.name} ({size}): {self._cost()}{self._distance()}"
+
+    def _distance(self) -> str:
+        if self.distance is None:
+            return ""
+        if isinf(self.distance):
+            return "; without it the model has no noise that a distance could be measured by"
+        return f"; distance {self.distance:.3g} (1: as alike as two logs of the device)"
 
     def _cost(self) -> str:
         if self.ratio is None:
@@ -96,9 +104,9 @@ def costs(
 
 def _largest(axis: str, effect: Effect, tau: np.ndarray, without: np.ndarray, full: np.ndarray) -> Omission:
     """Return the effect with the ratio of deviations that is farthest from one."""
-    ratio = np.sqrt(np.maximum(without, TINY) / np.maximum(full, TINY))
-    place = int(np.argmax(np.abs(np.log(ratio))))
-    return Omission(axis, effect, float(ratio[place]), float(tau[place]))
+    log_ratio = (np.log(np.maximum(without, TINY)) - np.log(np.maximum(full, TINY))) / 2
+    place = int(np.argmax(np.abs(log_ratio)))
+    return Omission(axis, effect, float(np.exp(log_ratio[place])), float(tau[place]))
 
 
 def _acts(effect: Effect, conditions: Conditions) -> bool:

@@ -48,6 +48,25 @@ def test_far_deviations_get_small_probabilities():
     assert p[2] < 1e-8
 
 
+@pytest.mark.parametrize("signed", [True, False])
+def test_locations_without_scatter_change_no_probability(signed):
+    rng = stream(3, "envelope")
+    replicates, curves = rng.standard_normal((99, 60)), 2 * rng.standard_normal((50, 60))
+    alone = Envelope(replicates, signed)
+    constant = np.broadcast_to(0.1 * np.arange(1, 141), (99, 140))
+    beside = Envelope(np.hstack([constant, replicates]), signed)
+    found = [alone.p_value(alone.deviation(curves).max(axis=1))]
+    found.append(beside.p_value(beside.deviation(np.hstack([constant[:50], curves])).max(axis=1)))
+    np.testing.assert_allclose(*found, rtol=1e-9)
+
+
+def test_a_curve_of_which_nothing_varies_is_compared_exactly():
+    envelope = Envelope(np.full((99, 8), 0.1), True)
+    largest = [envelope.deviation(np.full(8, value)).max() for value in (0.1, 0.2)]
+    same, other = envelope.p_value(np.array(largest))
+    assert other < 1e-12 < 0.1 < same
+
+
 @pytest.mark.parametrize("probability", [1e-6, 1e-3, 0.01, 0.2])
 @pytest.mark.parametrize("signed", [True, False])
 def test_critical_deviation_is_the_inverse_of_the_p_value(probability, signed):

@@ -44,7 +44,9 @@ EPOCHS = 16
 HORIZONS = np.array([1 / 16, 1 / 8, 1 / 4, 1 / 2, 1])
 """Times of comparison of drifts, as shares of the held-out part."""
 MIN_RELATIVE_SCATTER = 0.1
-"""Minimum scatter of an entry, over the median scatter of its view."""
+"""Minimum scatter of an entry, over the median of those entries of its view that have any."""
+ROUNDING = 8 * float(np.finfo(float).eps)
+"""Scatter of an entry, over its magnitude, up to which it is by rounding."""
 COVERAGE = 0.95
 SIDES = ("before", "after")
 """Names of the two models."""
@@ -314,6 +316,18 @@ def distribution(
     return _apart(flat[0], flat[1 : 1 + len(before)], flat[1 + len(before) :])
 
 
+def have_scatter(simulations: Sequence[LogStatistics]) -> bool:
+    """Return whether simulations of a model differ in each view of each axis.
+
+    Where they do not, as without noise, the distance of a log that is different has no scale.
+    """
+    return all(
+        np.any(rows.std(axis=0, ddof=1) > _rounding(rows))
+        for axis in simulations[0].views
+        for rows in _rows([one.views[axis] for one in simulations])
+    )
+
+
 def _views(values: np.ndarray, level: float, scale: float) -> list[np.ndarray]:
     """Return the statistics of the held-out values of one axis; ``level`` is the mean of the training parts.
 
@@ -348,11 +362,22 @@ def _squares(one: list[np.ndarray], ensemble: list[list[np.ndarray]]) -> np.ndar
     distance 1 on average. The mean over the entries of a view comes first: all views of all axes have equal weight.
     """
     squares = []
-    for part, rows in zip(one, map(np.array, zip(*ensemble, strict=True)), strict=True):
-        spread = rows.std(axis=0, ddof=1)
-        spread = np.maximum(spread, MIN_RELATIVE_SCATTER * np.median(spread) + np.finfo(float).tiny)
-        squares.append(np.mean(((part - rows) / spread) ** 2, axis=1) / 2)
+    for part, rows in zip(one, _rows(ensemble), strict=True):
+        spread, least = rows.std(axis=0, ddof=1), _rounding(np.vstack([part, rows]))
+        if np.any(varied := spread > least):
+            least = np.maximum(least, MIN_RELATIVE_SCATTER * np.median(spread[varied]))
+        squares.append(np.mean(((part - rows) / np.maximum(spread, least)) ** 2, axis=1) / 2)
     return np.mean(squares, axis=0)
+
+
+def _rounding(rows: np.ndarray) -> np.ndarray:
+    """Return the scatter that rounding may make of each entry of rows, shape (members, entries)."""
+    return ROUNDING * np.abs(rows).max(axis=0) + np.finfo(float).tiny
+
+
+def _rows(ensemble: Sequence[list[np.ndarray]]) -> Iterator[np.ndarray]:
+    """Iterate over the views of the members of an ensemble, shape (members, entries) each."""
+    return map(np.array, zip(*ensemble, strict=True))
 
 
 def _interval(values: list[float] | np.ndarray) -> Interval:

@@ -19,7 +19,7 @@ from imugap.discovery.preparation.shocks import common_shocks
 from imugap.effects import CATALOGUE
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel, Effect, Evidence, Role, Stage
-from imugap.integrity.regular import without_power
+from imugap.integrity.regular import powered, without_power
 from imugap.integrity.thermometer import smoothed
 from imugap.integrity.timestamps import LEAST, ROUNDED, Stamps, stamps
 from imugap.log import ACCEL, AXES, GYRO, TEMPERATURE, TIME, LogError, axes
@@ -111,6 +111,7 @@ def prepare(
         Kinds of effects; those of the output and the clock are searched for in samples and stamps.
     """
     known = ErrorModel({}) if start is None else start
+    log = measured(log)
     unusable = _unusable(log)
     rows = _rows(log.drop(columns=[place.axis for place in unusable]), reference)
     clock = stamps(rows.index.to_numpy(float))
@@ -221,7 +222,7 @@ def _unusable(log: pd.DataFrame) -> tuple[Discrepancy, ...]:
     Those without noise (:func:`without_noise`), at their first value, and those of samples between which the others
     were interpolated.
     """
-    values = {axis: log[axis].replace([np.inf, -np.inf], np.nan).dropna() for axis in axes(log)}
+    values = {axis: log[axis].dropna() for axis in axes(log)}
     unusable = {}
     for axis, found in values.items():
         unique = found.unique()
@@ -264,16 +265,17 @@ def _samples_to_a_knot(values: np.ndarray) -> float:
     return 1 / (1 - share) if MIN_STRAIGHT_SHARE < share < 1 else 1.0
 
 
-def _rows(log: pd.DataFrame, reference: pd.DataFrame | None) -> pd.DataFrame:
-    """Return the rows that hold a value, :data:`MARGIN` samples within the time of the reference.
+def measured(log: pd.DataFrame) -> pd.DataFrame:
+    """Return a log with NaN for what is no value: not finite, or of rows without power, which are zero on all axes."""
+    finite = log.replace([np.inf, -np.inf], np.nan)
+    return powered(finite, without_power(finite)) if axes(log) else finite
 
-    Rows that are zero on all axes, as a device without power has them, hold none.
-    """
+
+def _rows(log: pd.DataFrame, reference: pd.DataFrame | None) -> pd.DataFrame:
+    """Return the rows that hold a value, :data:`MARGIN` samples within the time of the reference."""
     names = list(axes(log))
     if not names:
         raise LogError("log", "columns", f"at least one of {', '.join(AXES)}", "none of them")
-    log = log.replace([np.inf, -np.inf], np.nan)
-    log.loc[without_power(log), names] = np.nan
     held = log[names].notna().any(axis=1).to_numpy()
     if reference is not None:
         missing = [name for name in names if name not in reference]

@@ -35,9 +35,14 @@ class Envelope:
     signed: bool
 
     @cached_property
+    def _varied(self) -> np.ndarray:
+        """Return the mask of the locations at which the replicates differ; in a window without samples they do not."""
+        return np.ptp(self.replicates, axis=0) > 0
+
+    @cached_property
     def mean(self) -> np.ndarray:
         """Return the mean of the replicates at each location."""
-        return self.replicates.mean(axis=0)
+        return np.where(self._varied, self.replicates.mean(axis=0), self.replicates[0])
 
     @cached_property
     def spread(self) -> np.ndarray:
@@ -46,7 +51,7 @@ class Envelope:
 
     def _limited(self, variance: np.ndarray) -> np.ndarray:
         spread = np.sqrt(np.maximum(variance, 0.0))
-        usual = np.median(spread, axis=-1, keepdims=True)
+        usual = np.median(spread[..., self._varied], axis=-1, keepdims=True) if self._varied.any() else 0.0
         return np.maximum(spread, MIN_RELATIVE_STD * usual) if self.signed else np.broadcast_to(usual, spread.shape)
 
     def _evidence(self, deviation: np.ndarray, degrees: int) -> np.ndarray:
@@ -67,7 +72,7 @@ class Envelope:
         b, x = len(self.replicates), self.replicates
         mean = (b * self.mean - x) / (b - 1)
         variance = (b * (x**2).mean(axis=0) - x**2 - (b - 1) * mean**2) / (b - 2)
-        deviation = _studentised(x - mean, self._limited(variance))
+        deviation = _studentised(np.where(self._varied, x - mean, 0.0), self._limited(variance))
         return np.sort(self._evidence(deviation, b - 2).max(axis=1))
 
     @cached_property
@@ -87,7 +92,9 @@ class Envelope:
         b = len(self.maxima)
         rank = (1 + b - np.searchsorted(self.maxima, largest)) / (b + 1)
         excess = np.maximum(np.asarray(largest) - threshold, 0.0)
-        tail = (number + 1) / (b + 1) * (1 + excess / (number * scale)) ** -float(number)
+        with np.errstate(divide="ignore"):  # all replicates may be alike
+            relative = np.divide(excess, number * scale, out=np.zeros(np.shape(excess)), where=excess > 0)
+        tail = (number + 1) / (b + 1) * (1 + relative) ** -float(number)
         return np.where(np.asarray(largest) >= threshold, tail, rank)
 
     def critical(self, probability: float) -> float:
