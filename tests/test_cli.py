@@ -1,12 +1,14 @@
 """The command line: any exception and any signal ends in one line."""
 
 import errno
+import multiprocessing
 import os
 import re
 import resource
 import signal
 import subprocess
 import sys
+import threading
 import time
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
@@ -16,6 +18,7 @@ import numpy as np
 import pytest
 
 from imugap import cli, log
+from imugap.discovery.steps import each_in_processes
 
 
 @pytest.fixture
@@ -158,18 +161,34 @@ sys.exit(cli.main(["check"]))
 """
 
 
+@pytest.mark.parametrize("wait_s", [0.0, 0.5])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
-def test_no_worker_outlives_its_parent(heard, tmp_path, number):
+def test_no_worker_outlives_its_parent(heard, tmp_path, number, wait_s):
+    """A signal while the processes start, or while they work, ends all of them without a word of theirs."""
     script = tmp_path / "pool.py"
     script.write_text(POOL)
     options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "start_new_session": True}
     with subprocess.Popen([sys.executable, str(script)], **options) as process:
         assert process.stdout.readline() == "begun\n"
-        time.sleep(0.5)
+        time.sleep(wait_s)
         os.killpg(process.pid, number) if number == signal.SIGINT else process.send_signal(number)
         said = process.communicate()[1]  # ends when no process holds the other end
     assert process.returncode == (-number if number == signal.SIGKILL else 128 + number)
     assert said == ("" if number == signal.SIGKILL else "imugap: interrupted\n")
+
+
+def fail_beside_workers():
+    with each_in_processes(2) as each:
+        each(time.sleep, [60, 60, 60])
+        raise ValueError("failed")
+
+
+def test_a_pool_ends_with_a_block_that_fails():
+    before = set(threading.enumerate())
+    with pytest.raises(ValueError, match="failed"):
+        fail_beside_workers()
+    assert set(threading.enumerate()) == before
+    assert not multiprocessing.active_children()
 
 
 def limited(kilobytes, *arguments):

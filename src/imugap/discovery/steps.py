@@ -21,6 +21,8 @@ def no_progress(step: str, done: int, steps: int) -> None:
 
 PR_SET_PDEATHSIG = 1
 """Argument of prctl(2): the signal that a process gets when its parent ends."""
+ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+"""Signals that ask a process to end."""
 WATCH_S = 0.5
 """Time between two looks at the parent of a worker process [s]."""
 
@@ -49,14 +51,27 @@ def each_in_processes(workers: int) -> Iterator[Callable]:
         yield map
         return
     others = set(multiprocessing.active_children())
-    with ProcessPoolExecutor(workers, initializer=_depend_on, initargs=(os.getpid(),)) as pool:
-        try:
-            yield pool.map
-        except BaseException:  # else the pool waits for what its processes are at
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in set(multiprocessing.active_children()) - others:
-                process.terminate()
-            raise
+    pool = ProcessPoolExecutor(workers, initializer=_depend_on, initargs=(os.getpid(),))
+    try:
+        with _held_signals():
+            pool.submit(int)  # starts the processes
+        yield pool.map
+        pool.shutdown()
+    except BaseException:
+        for process in set(multiprocessing.active_children()) - others:  # else the pool waits for what they are at
+            process.terminate()
+        pool.shutdown(cancel_futures=True)  # ends its thread, which must not outlive the interpreter
+        raise
+
+
+@contextmanager
+def _held_signals() -> Iterator[None]:
+    """Hold back the signals that end a process; a process that starts in the block does so until :func:`_depend_on`."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _depend_on(parent: int) -> None:
@@ -64,6 +79,7 @@ def _depend_on(parent: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
     with suppress(AttributeError):  # Linux alone has it; at once, also within a long call of compiled code
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     Thread(target=_end_with, args=(parent,), daemon=True).start()
