@@ -120,3 +120,10 @@ def test_the_lowest_cutoff_still_passes_a_constant_and_a_lower_one_is_refused(or
         OutputFilter(1e-8, order, form).apply(flat, conditions(500, 0.01), stream(1))
     with pytest.raises(ValueError, match=r"output_filter\.cutoff: expected at least"):
         OutputFilter(1e-8, order, form).block(0.01, "gyro_x")
+
+
+@pytest.mark.parametrize("form", [2, 3])
+def test_a_filter_far_below_the_rate_passes_nothing_and_says_so_in_numbers(form):
+    closed = OutputFilter(1e-25, 8, form)
+    assert np.all(closed.gain(np.array([1.0, 49.0]), 0.01) < 1e-100)
+    assert np.all(np.abs(closed.response(np.array([1.0, 49.0]), 0.01)) < 1e-50)

@@ -244,6 +244,11 @@ def test_values_without_power_or_not_finite_are_lost():
     )
 
 
+def test_a_triad_without_any_value_is_unusable():
+    empty = table(even(100.0)).assign(**dict.fromkeys(ACCEL, np.nan))
+    assert set(regular(empty).unusable) == set(ACCEL)
+
+
 @pytest.mark.parametrize("noise", [1.0, 2**0.5])
 def test_half_the_rate_at_the_same_noise_is_loss_and_at_other_noise_another_rate(noise):
     kept = (np.arange(2 * COUNT) < COUNT) | (np.arange(2 * COUNT) % 2 == 0)

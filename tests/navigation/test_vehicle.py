@@ -8,6 +8,8 @@ from scipy.spatial.transform import Rotation
 from tests.drives import navigation_error, true_state
 
 from imugap import log
+from imugap.effects import WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.filters.alignment import biases_from_rest, level_sensitivity
 from imugap.filters.consistency import nees_band
 from imugap.filters.error_state import NAVIGATION
@@ -311,3 +313,11 @@ def test_what_accelerometers_are_off_tilts_the_level_across(lap, assumptions):
         pushed = force + 1e-6 * np.eye(3)[states.axis[s] - 3]
         found = (from_euler(np.array([*level(pushed), 1.0])) * turn.inv()).as_rotvec()
         np.testing.assert_allclose(rows[:, s], -found[:2] / 1e-6, atol=1e-2 * np.abs(rows).max())
+
+
+def test_noise_beyond_what_a_filter_can_hold_is_refused(lap, assumptions):
+    model = ErrorModel(dict.fromkeys(log.AXES, AxisModel((WhiteNoise(1e28),))))
+    inputs = DriveInputs(lap.record(1, SEED), lap.fixes(1, SEED), model, lap.ellipsoid, assumptions, NO_CONTROL)
+    begin = start(lap, assumptions, 1)
+    with pytest.raises(ValueError, match="drive: expected a path known to within"):
+        navigate(inputs, begin)

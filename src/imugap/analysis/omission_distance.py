@@ -19,7 +19,8 @@ def distance(full: AxisModel, without: AxisModel, conditions: Conditions) -> flo
     The logs have the length of ``conditions``; their second half is compared. 1 is the distance of two logs of one
     model. It is infinite if the simulations without the effect do not differ from one another, as without noise.
     """
-    from imugap.discovery.evaluation.distance import HeldOutComparison, have_scatter  # takes seconds, and most exports need none
+    # takes seconds, and most exports need none
+    from imugap.discovery.evaluation.distance import HeldOutComparison, have_scatter
 
     axis = conditions.axis
     models = {"after": ErrorModel({axis: full}), "before": ErrorModel({axis: without})}

@@ -29,6 +29,8 @@ LOWEST = 1e-6
 (2 pi cutoff interval)^2, and a1 and a2 are rounded to 2e-16."""
 OPEN = 20.0
 """Angle pi cutoff interval above which the gain is 1 to rounding."""
+LARGEST_POWER = 1e300
+"""Attenuation of power above which a filter passes nothing."""
 SETTLED = 20.0
 """Settling time of an analogue filter [radians of the cutoff, for each order]."""
 TAPS, FINE = 48, 4096
@@ -91,7 +93,8 @@ class OutputFilter(FilterEffect):
 
     def _plain(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return the power gain without folding."""
-        return 1 / (1 + np.abs(self._ratio(frequency, interval)) ** (2 * self.order))
+        ratio = np.minimum(np.abs(self._ratio(frequency, interval)), LARGEST_POWER ** (0.5 / self.order))
+        return 1 / (1 + ratio ** (2 * self.order))
 
     def _ratio(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return w(f)/c."""

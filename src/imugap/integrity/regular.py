@@ -254,7 +254,7 @@ def without_power(table: pd.DataFrame) -> np.ndarray:
     """
     names = list(axes(table))
     off = np.all(table[names].to_numpy(float) == 0, axis=1)
-    if set(ACCEL) <= set(names) and np.nanmedian(np.sqrt(sum(table[name].to_numpy() ** 2 for name in ACCEL))) > HEAVY:
+    if set(ACCEL) <= set(names) and np.sqrt(sum(table[name] ** 2 for name in ACCEL)).median() > HEAVY:
         return off
     brief = np.diff(runs_of(off)) < BRIEF
     if off.mean() > CLIPPED or brief.any():

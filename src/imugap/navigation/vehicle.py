@@ -92,6 +92,8 @@ FIRST_RECEIVER = len(AXES)
 """Number of the first axis of the receiver."""
 SOURCES = len(AXES) + len(RECEIVER)
 """Number of the axes of the device and of the receiver that may have states."""
+FARTHEST_M = 1e9
+"""Largest distance of a path from its origin [m], and magnitude of a velocity [m/s]."""
 NOISE_SIGMA = 4.0
 """Rates up to this number of standard deviations of the noise of a sample do not observe the lever arm."""
 
@@ -693,10 +695,23 @@ def navigate(inputs: DriveInputs, start: InitialState, smooth: bool = False) -> 
         run_filter(partial(step, False), state.copy(1 + SUB_FILTERS * separating), history)
     if smooth:
         run_smoother(partial(step, separating), state, history, FIX + CONSTRAINTS)
+    _require_path(history, epochs.end)
     time, rows = pd.Index(epochs.end, name=TIME), np.flatnonzero(epochs.fix >= 0)
     names = [*states.names, *(name for name, _ in assumptions.constants()), *(POSITION_OFFSETS if separating else ())]
     fix_time = fixes.index.to_numpy()[offered]
     return DriveSolution(time, names, history, ellipsoid, fix_time, rows, record, kept, control)
+
+
+def _require_path(history: History, time: np.ndarray) -> None:
+    """Raise a ValueError where a path at times [s], shape (epochs,), is beyond reach, or its variance is none."""
+    variances = history.variances[:, :NAVIGATION]
+    within = (np.abs(history.navigation) < FARTHEST_M).all(axis=1)
+    within &= ((variances >= 0) & (variances < FARTHEST_M**2)).all(axis=1)
+    if not within.all():
+        raise ValueError(
+            f"drive: expected a path known to within {FARTHEST_M:g} m; found one that is not at "
+            f"{time[np.argmin(within)]:g} s, as by noise far too large or too small for a filter"
+        )
 
 
 def _checked_stamps(log: pd.DataFrame, start: InitialState) -> np.ndarray:
