@@ -13,6 +13,7 @@ from imugap.api.logs import LogSource, read
 from imugap.api.result import Result, SourcePath, call
 from imugap.io.fixes import reading
 from imugap.io.fixes.reading import ReceiverLog
+from imugap.io.fixes.receiver_settings import ReceiverSettings
 from imugap.pages.provenance import InputFile, Provenance
 
 if TYPE_CHECKING:
@@ -96,6 +97,7 @@ def drive(
     effects: str | None = None,
     as_given: bool = False,
     fixes_topic: str | None = None,
+    fixes_angles: str | None = None,
 ) -> Driven:
     """Navigate a drive by device and receiver, with quality control of the fixes.
 
@@ -114,12 +116,14 @@ def drive(
         Whether settings and fixes are used as they are, and only judged.
     fixes_topic
         Topic of a bag with the fixes.
+    fixes_angles
+        Unit of latitude and longitude in a table, ``deg`` or ``rad``.
     """
     settings = DriveSettings.read(None if config is None else Path(config), effects)
     found, turned = read(log), any(settings.mounting)
     if turned:
         found = found.in_own_axes()  # the mounting turns the device itself
-    receiver = _receiver(fixes, fixes_topic)
+    receiver = _receiver(fixes, ReceiverSettings(fixes_topic, fixes_angles))
     known = turned or found.settings.frame is not None
     recorded = RecordedDrive.of(found.recording, receiver.fixes, settings, known, as_given)
     try:
@@ -133,7 +137,7 @@ def drive(
     return Driven(found=navigated, provenance=Provenance(made, tuple(files)))
 
 
-def _receiver(fixes: ReceiverLog | pd.DataFrame | SourcePath, topic: str | None) -> ReceiverLog:
+def _receiver(fixes: ReceiverLog | pd.DataFrame | SourcePath, settings: ReceiverSettings) -> ReceiverLog:
     if isinstance(fixes, ReceiverLog):
         return fixes
-    return reading.of_table(fixes) if isinstance(fixes, pd.DataFrame) else reading.read(Path(fixes), topic)
+    return reading.of_table(fixes) if isinstance(fixes, pd.DataFrame) else reading.read(Path(fixes), settings)

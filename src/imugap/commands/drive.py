@@ -11,6 +11,7 @@ from imugap.commands.arguments import add_effects, add_examples
 from imugap.commands.outputs import FOLDER_HELP, add_format, require_folder
 from imugap.commands.reading import LOG_HELP, add_reading, read, say, settings_of
 from imugap.io.fixes import reading as fixes
+from imugap.io.fixes.receiver_settings import ReceiverSettings
 from imugap.io.recognition.frame import AS_IS
 
 FILES = (
@@ -47,6 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_format(parser)
     add_reading(parser)
     parser.add_argument("--fixes-topic", help="topic of a bag, or message of a log, with the fixes")
+    parser.add_argument("--fixes-angles", choices=("deg", "rad"), help="unit of latitude and longitude in a table")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -57,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
         reading = replace(reading, frame=AS_IS)  # the mounting turns the device itself
     say(options.config, settings.recognised)
     log = read(options.log, reading)
-    receiver = fixes.read(options.fixes, options.fixes_topic)
+    receiver = fixes.read(options.fixes, ReceiverSettings(options.fixes_topic, options.fixes_angles))
     say(options.fixes, receiver.recognised)
     found = drive(log, receiver, config=options.config, effects=options.effects, as_given=options.as_given)
     found.made_by(options.command_line).report(folder, options.format)

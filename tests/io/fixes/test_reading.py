@@ -10,7 +10,9 @@ from scipy.io import savemat
 from tests.io.devices import write_ulog
 
 from imugap.io.fixes.reading import read
+from imugap.io.fixes.receiver_settings import ReceiverSettings
 from imugap.log import LogError
+from imugap.stream import stream
 
 COUNT = 8
 START_S = 1_700_000_000.0
@@ -215,6 +217,38 @@ def test_places_at_sea_in_degrees_stay_degrees(tmp_path):
     np.testing.assert_allclose(np.degrees(found.fixes["longitude"]), 2e-3)
 
 
+def near_zero(path, per_s, noise=0.0, speed=None):
+    """Fixes off Africa, if in degrees, moving so much a second [deg or rad], with a stated speed [m/s]."""
+    scatter = noise * stream(1, "scatter").standard_normal(200)
+    rows = (
+        f"{k},{0.7 + k * per_s + scatter[k]:.12f},0.2,0" + ("" if speed is None else f",{speed},0,0")
+        for k in range(200)
+    )
+    names = "time,latitude,longitude,height" + ("" if speed is None else ",vn,ve,vd")
+    return text(path / "fixes.csv", names, *rows)
+
+
+def test_places_near_zero_have_the_unit_of_their_speed(tmp_path):
+    metre = 1 / 6.37e6
+    assert np.degrees(read(near_zero(tmp_path, 20 * metre)).fixes["latitude"].iloc[0]) == pytest.approx(np.degrees(0.7))
+    degrees = near_zero(tmp_path, np.degrees(20 * metre))
+    assert np.degrees(read(degrees).fixes["latitude"].iloc[0]) == pytest.approx(0.7)
+    slow = np.degrees(2 * metre)
+    assert np.degrees(read(near_zero(tmp_path, slow, speed=2.0)).fixes["latitude"].iloc[0]) == pytest.approx(0.7)
+    fast = near_zero(tmp_path, slow, speed=np.degrees(2.0))
+    assert np.degrees(read(fast).fixes["latitude"].iloc[0]) == pytest.approx(np.degrees(0.7))
+
+
+@pytest.mark.parametrize(("metres", "noise"), [(2.0, 0.0), (0.0, 1.0), (0.0, 0.0)])
+def test_places_near_zero_that_may_be_in_both_units_are_refused_and_read_by_the_option(tmp_path, metres, noise):
+    path = near_zero(tmp_path, np.degrees(metres / 6.37e6), np.degrees(noise / 6.37e6))
+    with pytest.raises(LogError, match=r"\(--fixes-angles deg or rad decides\); found .* m/s in deg or .* m/s in rad"):
+        read(path)
+    for unit, size in (("deg", 1.0), ("rad", np.degrees(1.0))):
+        found = read(path, ReceiverSettings(angles=unit))
+        assert np.degrees(found.fixes["latitude"]).median() == pytest.approx(0.7 * size, rel=0.01)
+
+
 def test_velocities_in_other_units_are_converted(tmp_path):
     names = "time,latitude,longitude,height,Vn (km/h),Ve (kn),Vd (cm/s)"
     found = read(text(tmp_path / "fixes.csv", names, *(f"{k},48,11,0,36,{3600 / 1852!r},100" for k in range(COUNT))))
@@ -234,7 +268,7 @@ def test_fixes_in_arrays_of_matlab_are_read_from_the_structure_that_has_them(tmp
     two = matlab(tmp_path / "two.mat", {"gnss": gnss, "rtk": gnss | {"h": PLACES[:, 2] + 1}})
     with pytest.raises(LogError, match=r"one column of latitude \(--topic .*\); found gnss.lat, rtk.lat"):
         read(two)
-    np.testing.assert_allclose(read(two, "rtk").fixes["height"], PLACES[:, 2] + 1)
+    np.testing.assert_allclose(read(two, ReceiverSettings("rtk")).fixes["height"], PLACES[:, 2] + 1)
 
 
 @pytest.mark.parametrize("interval", [1e-12, 1e-15, 1e-4])

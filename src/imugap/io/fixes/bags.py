@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from imugap.io.fixes.decoded import Decoded
+from imugap.io.fixes.receiver_settings import ReceiverSettings
 from imugap.io.formats import rosbag
 from imugap.kinematics.earth import SEMI_MAJOR_AXIS
 from imugap.log import TIME
@@ -33,11 +34,11 @@ def recognises(path: Path, head: bytes) -> bool:
     return rosbag.recognises(path, head)
 
 
-def decode(path: Path, topic: str | None) -> Decoded:
+def decode(path: Path, settings: ReceiverSettings) -> Decoded:
     """Return the fixes of one topic; messages without a fix are left out."""
     rows = []
     with rosbag.reader_of(path) as reader:
-        topic, _ = rosbag.topic_of(reader, path, (NAVSAT,), topic)
+        topic, _ = rosbag.topic_of(reader, path, (NAVSAT,), settings.topic)
         for message, time in rosbag.messages(reader, topic):
             if message.status.status >= 0:
                 stamp = rosbag.stamp_of(message) or time

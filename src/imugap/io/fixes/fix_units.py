@@ -24,6 +24,15 @@ SPELLINGS = {
 KNOWN = {spelling: unit for unit, spellings in SPELLINGS.items() for spelling in spellings.split()}
 BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
 FACTORS = ANGLES | LENGTHS | SPEEDS
+EARTH_M = 6.37e6
+SPANS_S = 5.0, 20.0
+"""Times over which a speed is taken [s]: that of a motion is nearly the same over both, that by noise is not."""
+MOVING = 0.5
+"""Ratio of the speed over the longer time to that over the shorter from which it is a motion."""
+SLOWEST, FASTEST = 1.0, 350.0
+"""Mean speeds below which no receiver that is logged moves, and above which none does [m/s]."""
+ALIKE = 4.0
+"""Ratio of speeds within which they are one."""
 OFFSHORE = np.pi / 2, np.pi
 """Latitude and longitude [deg] up to which a place is at sea, off Africa; no angle in radians is larger."""
 TENTHS_OF_MICRODEGREES = 1e5
@@ -43,8 +52,19 @@ def scale(column: str, name: str) -> tuple[float, str | None]:
     return 1.0, None
 
 
-def of_places(latitude: np.ndarray, longitude: np.ndarray) -> str:
-    """Return the unit of angles that name none: degrees, unless those would be at sea where radians are ashore."""
+def of_places(time: np.ndarray, latitude: np.ndarray, longitude: np.ndarray, speed: np.ndarray | None = None) -> str:
+    """Return the unit of angles that name none; ValueError where degrees and radians are possible.
+
+    Angles that radians cannot be are degrees. Those near zero would be at sea in degrees: the stated speed decides, or
+    a speed that is too high for a receiver on a vehicle in one, or too low for one that moves in the other.
+
+    Parameters
+    ----------
+    time, latitude, longitude
+        Stamps [s] and places of the fixes, shape (n,) each.
+    speed
+        Stated horizontal speed [m/s], shape (n,), or None.
+    """
     known = np.isfinite(latitude) & np.isfinite(longitude) & ((latitude != 0) | (longitude != 0))
     if not known.any():
         return "deg"
@@ -53,7 +73,39 @@ def of_places(latitude: np.ndarray, longitude: np.ndarray) -> str:
         return INTEGERS
     at_sea = north < OFFSHORE[0] and east <= OFFSHORE[1]
     elsewhere = np.degrees(north) > OFFSHORE[0] or np.degrees(east) > OFFSHORE[1]
-    return "rad" if at_sea and elsewhere else "deg"
+    if not (at_sea and elsewhere):
+        return "deg"
+    short, long = (_speed(time[known], latitude[known], longitude[known], span) for span in SPANS_S)
+    stated = None if speed is None or not np.isfinite(speed).any() else float(np.nanmean(speed))
+    return _by_speed(short, long > MOVING * short, stated)
+
+
+def _by_speed(implied: float, moves: bool, stated: float | None) -> str:
+    """Return the unit of angles by the speed that places in degrees imply, and the stated one [m/s].
+
+    ``moves``: whether that is a motion, and not the noise of the receiver.
+    """
+    speeds = {"deg": implied, "rad": np.degrees(implied)}
+    if stated is not None and stated > SLOWEST:
+        near = [unit for unit, one in speeds.items() if 1 / ALIKE < one / stated < ALIKE]
+        if len(near) == 1:
+            return near[0]
+    if speeds["rad"] > FASTEST:
+        return "deg"
+    if moves and speeds["deg"] < SLOWEST < speeds["rad"]:
+        return "rad"
+    readings = " or ".join(f"{one:.3g} m/s in {unit}" for unit, one in speeds.items())
+    expected = "the unit of places off Africa in degrees, elsewhere in radians (--fixes-angles deg or rad decides)"
+    raise ValueError(f"{expected}; found {readings}")
+
+
+def _speed(time: np.ndarray, latitude: np.ndarray, longitude: np.ndarray, span_s: float) -> float:
+    """Return the mean speed [m/s] of places in degrees, over spans of a time [s]."""
+    rows = np.searchsorted(time, np.arange(time[0], time[-1], span_s))
+    rows = np.unique(np.r_[rows, len(time) - 1].clip(0, len(time) - 1))
+    metres = np.radians([latitude[rows], longitude[rows]]) * EARTH_M
+    path = np.hypot(*np.diff(metres, axis=1)).sum()
+    return float(path / (time[-1] - time[0])) if time[-1] > time[0] else 0.0
 
 
 def said(units: Iterable[tuple[str, str]], source: str) -> list[str]:

@@ -5,6 +5,7 @@ from pathlib import Path
 import pandas as pd
 
 from imugap.io.fixes.decoded import Decoded
+from imugap.io.fixes.receiver_settings import ReceiverSettings
 from imugap.io.formats.gnss_ins_sim import joined, run_of, runs
 from imugap.log import TIME, LogError
 
@@ -20,10 +21,10 @@ def recognises(path: Path, head: bytes) -> bool:
     return bool(runs(path, CLOCK, SENSORS))
 
 
-def decode(path: Path, topic: str | None) -> Decoded:
+def decode(path: Path, settings: ReceiverSettings) -> Decoded:
     """Return the fixes of one run; LogError where one of several is meant, or positions are not geodetic."""
     found = runs(path, CLOCK, SENSORS)
-    source = joined(path, found[run_of(path, found, topic)])
+    source = joined(path, found[run_of(path, found, settings.topic)])
     if not set(COLUMNS) <= set(source.names):
         raise LogError(path, "line 1", f"the columns {', '.join(COLUMNS)}", ", ".join(source.names))
     block, _ = source.load([source.names.index(name) for name in COLUMNS], None)

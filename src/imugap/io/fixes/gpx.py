@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 import pandas as pd
 
 from imugap.io.fixes.decoded import Decoded
+from imugap.io.fixes.receiver_settings import ReceiverSettings
 from imugap.log import TIME, LogError
 
 
@@ -15,7 +16,7 @@ def recognises(path: Path, head: bytes) -> bool:
     return b"<gpx" in head
 
 
-def decode(path: Path, topic: str | None) -> Decoded:
+def decode(path: Path, settings: ReceiverSettings) -> Decoded:
     """Return the points of all tracks; LogError where one has no time or height."""
     rows = []
     for _, element in ElementTree.iterparse(path):

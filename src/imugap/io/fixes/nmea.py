@@ -13,6 +13,7 @@ from pathlib import Path
 import pandas as pd
 
 from imugap.io.fixes.decoded import Decoded
+from imugap.io.fixes.receiver_settings import ReceiverSettings
 from imugap.log import TIME, LogError
 
 KNOT = 1852 / 3600
@@ -25,7 +26,7 @@ def recognises(path: Path, head: bytes) -> bool:
     return any(line[:1] == b"$" and line[3:6].decode("ascii", "replace") in TYPES for line in head.splitlines())
 
 
-def decode(path: Path, topic: str | None) -> Decoded:
+def decode(path: Path, settings: ReceiverSettings) -> Decoded:
     """Return the fixes of all sentences of one time; those with a wrong checksum or without a fix are left out."""
     rows: dict[float, dict[str, float]] = {}
     day, last, wrong = 0.0, 0.0, 0

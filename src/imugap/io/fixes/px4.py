@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from imugap.io.fixes.decoded import Decoded
+from imugap.io.fixes.receiver_settings import ReceiverSettings
 from imugap.io.formats import ulog
 from imugap.kinematics.strapdown import VELOCITY
 from imugap.log import TIME, LogError
@@ -42,9 +43,9 @@ def recognises(path: Path, head: bytes) -> bool:
     return ulog.recognises(path, head)
 
 
-def decode(path: Path, topic: str | None) -> Decoded:
+def decode(path: Path, settings: ReceiverSettings) -> Decoded:
     """Return the fixes of one message on the clock of the log; LogError where there is none."""
-    name, data = ulog.message_of(path, MESSAGES, topic, "--fixes-topic")
+    name, data = ulog.message_of(path, MESSAGES, settings.topic, "--fixes-topic")
     used = (data["fix_type"] >= THREE_D) & (data["fix_type"] <= FIXED)
     data = {field: np.asarray(values[used], float) for field, values in data.items()}
     table = _position(path, name, data)

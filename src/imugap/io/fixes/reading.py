@@ -11,6 +11,7 @@ import pandas as pd
 from imugap.io import gnss
 from imugap.io.fixes import bags, gnss_ins_sim, gpx, nmea, phones, px4, rtklib, tables
 from imugap.io.fixes.decoded import Decoded
+from imugap.io.fixes.receiver_settings import DEFAULTS, ReceiverSettings
 from imugap.io.formats.source import require_file, sha256_of, whole_file
 from imugap.io.rows import require_numbers, require_order, require_range
 from imugap.log import TIME
@@ -36,7 +37,7 @@ class ReceiverLog:
         return sha256(np.ascontiguousarray(self.fixes.reset_index().to_numpy(float)).tobytes()).hexdigest()
 
 
-def read(path: str | Path, topic: str | None = None) -> ReceiverLog:
+def read(path: str | Path, settings: ReceiverSettings = DEFAULTS) -> ReceiverLog:
     """Read the fixes of a receiver, in a format that is recognised by its content.
 
     Parameters
@@ -44,8 +45,8 @@ def read(path: str | Path, topic: str | None = None) -> ReceiverLog:
     path
         File of any of :data:`FORMATS`; a table has columns ``time`` [s], latitude and longitude [deg], height [m], and
         any of the others of :data:`imugap.io.gnss.COLUMNS`, whose cells may be empty.
-    topic
-        Topic of a bag.
+    settings
+        What the user says of it.
     """
     path = Path(path)
     require_file(path, "a log of fixes")
@@ -54,7 +55,7 @@ def read(path: str | Path, topic: str | None = None) -> ReceiverLog:
         with path.open("rb") as handle:
             head = handle.read(HEAD_BYTES)
     with whole_file(path):
-        decoded = next(one for one in FORMATS if one.recognises(path, head)).decode(path, topic)
+        decoded = next(one for one in FORMATS if one.recognises(path, head)).decode(path, settings)
     return _checked(decoded, path)
 
 

@@ -12,6 +12,7 @@ import pandas as pd
 
 from imugap.io.fixes.decoded import Decoded
 from imugap.io.fixes.gps_time import GPS_EPOCH_S, WEEK_S, utc
+from imugap.io.fixes.receiver_settings import ReceiverSettings
 from imugap.log import TIME, LogError
 
 COLUMNS = {
@@ -31,7 +32,7 @@ def recognises(path: Path, head: bytes) -> bool:
     return any(line.startswith(b"%") and any(one.encode() in line.split() for one in SYSTEMS) for line in lines)
 
 
-def decode(path: Path, topic: str | None) -> Decoded:
+def decode(path: Path, settings: ReceiverSettings) -> Decoded:
     """Return the fixes of a solution; LogError for another time system, or positions not geodetic in degrees."""
     text = path.read_text(errors="replace").replace(",", " ")
     header = next((line for line in text.splitlines() if line.startswith("%") and "(m)" in line), "%")

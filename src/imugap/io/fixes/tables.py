@@ -9,6 +9,7 @@ from imugap import spelling
 from imugap.io import gnss
 from imugap.io.fixes import fix_units
 from imugap.io.fixes.decoded import Decoded
+from imugap.io.fixes.receiver_settings import ReceiverSettings
 from imugap.io.formats import catalogue
 from imugap.io.formats.source import Source
 from imugap.io.recognition import column_names, stamps
@@ -41,11 +42,11 @@ def recognises(path: Path, head: bytes) -> bool:
     return True
 
 
-def decode(path: Path, topic: str | None) -> Decoded:
+def decode(path: Path, settings: ReceiverSettings) -> Decoded:
     """Return the fixes of a table; LogError where a column is missing."""
-    source = with_stamps(catalogue.open_source(path, RecordingSettings(topic=topic)))
-    if topic is not None and source.topic is None:
-        source = source.group(topic)
+    source = with_stamps(catalogue.open_source(path, RecordingSettings(topic=settings.topic)))
+    if settings.topic is not None and source.topic is None:
+        source = source.group(settings.topic)
     names = source.names if any(source.names) else _nameless(source)
     known = _known(source, names)
     time = _time(names, known)
@@ -54,13 +55,18 @@ def decode(path: Path, topic: str | None) -> Decoded:
         expected = f"all of {', '.join(gnss.PLACE)} [deg, deg, m], and time [s]"
         raise LogError(path, source.heading, expected, _nearest(names, known))
     block, raw = source.load([names.index(name) for name in known], names.index(time))
-    table = pd.DataFrame(dict(zip(known.values(), block, strict=True)))
-    notes = _convert(table, {column: name for name, column in known.items()})
-    if "vel_u" in table:
-        table["vel_d"] = -table.pop("vel_u")
     stated = column_names.stated_unit(time)
     unit = stated or _unit(raw)
-    table.index = pd.Index(stamps.seconds(raw, factor(unit)), name=TIME)
+    seconds = pd.Index(stamps.seconds(raw, factor(unit)), name=TIME)
+    table = pd.DataFrame(dict(zip(known.values(), block, strict=True)), index=seconds)
+    angles = settings.angles or (None if any(source.names) else "deg")
+    try:
+        notes = _convert(table, {column: name for name, column in known.items()}, angles)
+    except ValueError as error:
+        expected, _, found = str(error).partition("; found ")
+        raise LogError(path, source.heading, expected, found) from error
+    if "vel_u" in table:
+        table["vel_d"] = -table.pop("vel_u")
     if unit != "s":
         notes.append(f"stamps {unit} -> s from the {'header' if stated else 'rate'}")
     others = [name for name in names if name and name not in known and name != time]
@@ -68,17 +74,27 @@ def decode(path: Path, topic: str | None) -> Decoded:
     return Decoded(table, tuple(notes), source.place)
 
 
-def _convert(table: pd.DataFrame, names: dict[str, str]) -> list[str]:
-    """Convert the columns of a table to degrees, metres and metres per second; return what was converted."""
+def _convert(table: pd.DataFrame, names: dict[str, str], angles: str | None) -> list[str]:
+    """Convert the columns of a table to degrees, metres and metres per second; return what was converted.
+
+    ``angles`` is the unit of latitude and longitude, None where the names or the places decide; ValueError where these
+    do not.
+    """
     stated = {column: fix_units.scale(column, name) for column, name in names.items()}
     notes = fix_units.said([(column, unit) for column, (_, unit) in stated.items() if unit], "header")
     guessed = {}
-    if stated["latitude"][1] is None and stated["longitude"][1] is None:
-        unit = fix_units.of_places(table["latitude"].to_numpy(), table["longitude"].to_numpy())
+    if angles is not None:
+        guessed = dict.fromkeys(("latitude", "longitude"), angles)
+        notes += fix_units.said(guessed.items(), "option")
+    elif stated["latitude"][1] is None and stated["longitude"][1] is None:
+        speeds = [table[one].to_numpy() * stated[one][0] for one in VELOCITY[:2] if one in table]
+        speed = np.hypot(*speeds) if len(speeds) == len(VELOCITY[:2]) else None
+        places = (table[one].to_numpy() for one in ("latitude", "longitude"))
+        unit = fix_units.of_places(table.index.to_numpy(), *places, speed)
         guessed = dict.fromkeys(("latitude", "longitude"), unit)
         if unit == fix_units.INTEGERS and stated["height"][1] is None:
             guessed["height"] = "mm" if table["height"].abs().median() > fix_units.HIGHEST_M else "m"
-    notes += fix_units.said(guessed.items(), "places")
+        notes += fix_units.said(guessed.items(), "places")
     for column, (scale, _) in stated.items():
         scale = fix_units.FACTORS[guessed[column]] if column in guessed else scale
         if scale != 1.0:
