@@ -9,7 +9,7 @@ import pandas as pd
 from imugap.discovery.device import Discovery
 from imugap.discovery.evaluation.distance import Distances
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval, Unnamed
-from imugap.discovery.posterior import IN_WORDS, NOT_SEEN, ambiguity_set, percent
+from imugap.discovery.posterior import IN_WORDS, MIN_SHARE, NOT_SEEN, ambiguity_set, percent
 from imugap.integrity.regular import counted
 
 MAX_LOCATIONS = 12
@@ -165,9 +165,8 @@ def certainty(finding: Finding) -> str:
     """Return how probable the name is, what else is likely, and which names the log cannot tell from it."""
     share = finding.probabilities
     others = [name for name in ambiguity_set(share) if name != finding.name]
-    names = dict.fromkeys(
-        (*(name for name, _ in finding.alternatives), *(one for one in others if one not in IN_WORDS))
-    )
+    likely = (name for name, _ in finding.alternatives if share.get(name, 1.0) >= MIN_SHARE)
+    names = dict.fromkeys((*likely, *(one for one in others if one not in IN_WORDS)))
     parts = [f"of the name {percent(share[finding.name])}"]
     parts += [f"of {IN_WORDS[one]} {percent(share[one])}" for one in others if one in IN_WORDS]
     text = f"probability {', '.join(parts)}"
