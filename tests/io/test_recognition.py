@@ -218,7 +218,7 @@ def test_a_unit_of_a_header_that_is_not_known_is_refused_and_the_option_decides(
 def test_axes_of_the_wrong_sign_are_refused_and_taken_by_name(tmp_path, signs):
     header = ["time (s)", *(f"gyro {a} (rad/s)" for a in "xyz"), *(f"accel {a} (m/s^2)" for a in "xyz")]
     path = written(tmp_path, turned() * signs, header)
-    with pytest.raises(LogError, match=r"right-hand rule.*gravity turns as with gyro_.* of the other sign"):
+    with pytest.raises(LogError, match=r"right-hand rule.*gravity turns as with -?gyro_.* as the rates of x, y, z"):
         read(path)
     columns = [f"{name}={of}" for name, of in zip(CONTRACT, header, strict=True)]
     found = read(path, RecordingSettings(columns=tuple(columns), units={"gyro": "rad/s"}, frame="as-is"))
@@ -235,3 +235,43 @@ def test_lines_of_several_sensors_below_the_header_of_one_are_refused(tmp_path):
     (tmp_path / "app.txt").write_text("\n".join(lines) + "\n")
     with pytest.raises(LogError, match=r"expected lines of one sensor .*; found lines of IMUA, IMUB"):
         read(tmp_path / "app.txt")
+
+
+@pytest.mark.parametrize(
+    ("order", "signs", "words"),
+    [([1, 0, 2], [1, 1, 1], "gyro_y, gyro_x, gyro_z"), ([0, 1, 2], [1, -1, 1], "gyro_x, -gyro_y, gyro_z")],
+)
+def test_one_axis_of_another_sign_or_two_exchanged_are_refused(tmp_path, order, signs, words):
+    samples = turned()
+    samples[:, :3] = samples[:, order] * signs
+    with pytest.raises(LogError, match=f"gravity turns as with {words} as the rates of x, y, z"):
+        read(written(tmp_path, samples))
+    settings = RecordingSettings(columns=tuple(CONTRACT), units={"gyro": "rad/s"})
+    assert len(read(tmp_path / "run.csv", settings).table) == len(samples)
+
+
+@pytest.mark.parametrize(
+    ("stated", "size", "words"),
+    [("s", 1e3, "0.1 Hz in s or 100 Hz in ms"), ("ms", 1.0, "1e.05 Hz in ms or 100 Hz in s")],
+)
+def test_a_unit_of_stamps_in_the_header_with_a_rate_of_no_sensor_is_refused(tmp_path, stated, size, words):
+    columns = np.column_stack([times() * size, at_rest()])
+    path = write_text(tmp_path / "run.csv", [f"time ({stated})", *AXES], columns)
+    with pytest.raises(LogError, match=rf"as the header has it \(--time-unit decides\); found {words}"):
+        read(path)
+    found = read(path, RecordingSettings(time_unit="ms" if stated == "s" else "s", units={"gyro": "rad/s"}))
+    assert 1 / np.diff(found.log.index).mean() == pytest.approx(RATE)
+
+
+@pytest.mark.parametrize(
+    ("clock", "size", "rates"),
+    [("counter (ms)", 1e3, [f"{axis}Rate" for axis in "xyz"]), ("utime", 1e6, [f"pqr[{k}]" for k in range(3)])],
+)
+def test_counters_of_time_and_names_of_rates_are_read(tmp_path, clock, size, rates):
+    columns = np.column_stack([times() * size, at_rest()])
+    path = write_text(
+        tmp_path / "run.csv", [clock, *rates, *(f"{axis}Accel" for axis in "xyz")], columns, form="{:.12g}"
+    )
+    found = read(path, RecordingSettings(units={"gyro": "rad/s"}, frame="as-is"))
+    np.testing.assert_allclose(found.log.to_numpy(), at_rest(), rtol=1e-9)
+    assert 1 / np.diff(found.log.index).mean() == pytest.approx(RATE)

@@ -33,6 +33,7 @@ PARTS = {
         (moment(0) + timedelta(milliseconds=10 * k - 10**6)).strftime("%H,%M,%S,") + str(10 * k % 1000)
     ),
     "year,month,day,hour,minute,second": lambda k: moment(k).strftime("%Y,%m,%d,%H,%M,%S.%f"),
+    "timestamp,timestamp_ms": lambda k: f"{1_000_000_000 + k // 100},{10 * (k % 100)}",
     "Date,Time": lambda k: moment(k).strftime("%Y-%m-%d,%H:%M:%S.%f"),
 }
 

@@ -9,7 +9,7 @@ import pyarrow as pa
 from imugap.io.formats import clock_text
 from imugap.io.formats.source import Source
 from imugap.io.recognition.column_names import parts_of
-from imugap.log import TIME, LogError
+from imugap.log import LogError
 
 WEEK = 604_800_000_000_000
 SIZES = {
@@ -28,6 +28,8 @@ OTHER_WORDS = frozenset([
     "since",
 ])  # fmt: skip
 """Other words of the names of these columns."""
+CLOCK = frozenset(["time", "stamp", "timestamp", "epoch"])
+"""Words of a column of whole seconds that may name no unit."""
 DATE, OF_DAY = frozenset(["date"]), frozenset(["time", "clock", "tod"])
 """Words of a column of dates, and of one of times of day."""
 CALENDAR = ("year", "month", "day")
@@ -44,7 +46,7 @@ def with_stamps(source: Source) -> Source:
     dated = _dated(source)
     if dated is not None:
         return _joined(source, dated, _of_texts, source.texts)
-    found = () if TIME in source.names else _split(source)
+    found = _split(source)
     if not found:
         return source
     sizes, places = zip(*found, strict=True)
@@ -77,7 +79,7 @@ def _split(source: Source) -> list[tuple[int, int]]:
     groups: dict[str, dict[int, int]] = {}
     for place, name in enumerate(source.names):
         words, unit = parts_of(name)
-        sizes = [PART[word] for word in (*words, unit) if word in PART]
+        sizes = [PART[word] for word in (*words, unit) if word in PART] or [PART["s"]] * bool(CLOCK & {*words})
         if sizes and {word for word in words if word not in PART} <= OTHER_WORDS:
             groups.setdefault(name.rpartition(".")[0], {}).setdefault(min(sizes), place)
     found = (_bounded(source, sorted(parts.items(), reverse=True)) for parts in groups.values() if len(parts) > 1)

@@ -18,10 +18,10 @@ SKIP = "-"
 """Stands for a column that is not read."""
 TRIADS = {"gyro": GYRO, "accel": ACCEL}
 WORDS = {
-    "gyro": "gyro gyros gyr gyroscope gyroscopes omega rotation turn angrate gy",
+    "gyro": "gyro gyros gyr gyroscope gyroscopes omega rotation turn angrate gy rate rates pqr",
     "accel": "accel accels accl acc accelerometer accelerometers acceleration accelerations specific ac gf xl alpha",
     TEMPERATURE: "temp temperature tmp temperatures",
-    TIME: "time timestamp timestamps stamp ts elapsed epoch timeus times seconds tow sow itow zeit temps "
+    TIME: "time timestamp timestamps stamp ts elapsed epoch timeus utime times seconds tow sow itow zeit temps "
     "tempo tiempo tijd",
     "counter": "counter count packet number seq index samples sample row iteration",
 }
@@ -164,6 +164,8 @@ def meaning(name: str) -> Meaning | None:
         return Meaning(TIME, None, unit_of(base), ())
     if quantity is None:
         return None
+    if quantity == "counter" and unit in QUANTITIES[TIME]:
+        quantity = TIME
     if unit is None:
         words, unit = _unit_of_words(words, quantity)
     if unit is None and DELTA & set(words):

@@ -136,6 +136,7 @@ def _time_unit(
     if settings.time_unit:
         unit, why = settings.time_unit, "the option"
     elif stated := column_names.stated_unit(clock):
+        asked(stamps.require_rate, f"column {clock}", raw, stated)
         unit, why = stated, "the header"
     elif stamps.FINE in clock.lower():
         unit, why = stamps.unit_of_fine(raw)
@@ -175,15 +176,15 @@ def _counted_unit(
 
 
 def _require_turns(gyro: np.ndarray, accel: np.ndarray, rate_hz: float) -> None:
-    """Raise a LogError where gravity turns as with other signs of the gyroscopes."""
+    """Raise a LogError where gravity turns as with other signs or another order of the gyroscopes."""
     signs = samples.opposed(gyro, accel, rate_hz)
     if signs is not None:
-        others = ", ".join(axis for axis, sign in zip(GYRO, signs, strict=True) if sign < 0)
+        right = ", ".join(("-" if sign < 0 else "") + GYRO[axis] for axis, sign in signs)
         expected = (
             "angular rates by the right-hand rule, in the axes of the accelerometers "
-            "(change the signs in the file, or name the columns by --columns to take them as they are)"
+            "(change signs or order in the file, or name the columns by --columns to take them as they are)"
         )
-        raise LogError("log", units.PLACES["gyro"], expected, f"gravity turns as with {others} of the other sign")
+        raise LogError("log", units.PLACES["gyro"], expected, f"gravity turns as with {right} as the rates of x, y, z")
 
 
 def _triad(values: Mapping[str, np.ndarray], axes: tuple[str, ...]) -> np.ndarray | None:

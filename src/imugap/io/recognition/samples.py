@@ -5,7 +5,7 @@ All on plain arrays, shape (n, 3), in the unit of the file.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import permutations, product
 
 import numpy as np
 
@@ -43,8 +43,9 @@ LAG_S = 0.15
 FEWEST_WINDOWS = 40
 CORRELATED, WELL_CORRELATED = 0.3, 0.5
 """Correlations of these from which the unit follows, and from which it outweighs a header."""
-EXPLAINED, UNEXPLAINED = 0.8, 0.4
-"""Correlations of these by other signs of the axes, and by those of the file, from which the file has wrong signs."""
+EXPLAINED, FAR_MORE = 0.8, 2.0
+"""Correlation of these by other signs or another order of the axes, and ratio of what those of the file leave of the
+change to what the others leave, from which the file has wrong ones."""
 NEAR = 6.0
 """Ratio of the regression to 1 within which a unit is right."""
 STRETCH, STRETCHES = 16384, 12
@@ -228,12 +229,12 @@ def time_unit(
     return None
 
 
-def opposed(gyro: np.ndarray, accel: np.ndarray, rate_hz: float) -> tuple[int, ...] | None:
-    """Return the signs of the axes of the gyroscopes with which their rates turn gravity; None where it is their own.
+def opposed(gyro: np.ndarray, accel: np.ndarray, rate_hz: float) -> tuple[tuple[int, int], ...] | None:
+    """Return the axes and signs of the gyroscopes that turn gravity as the rates of x, y and z; None where it is these.
 
-    Of all eight combinations of signs; a combination that is no rotation is of axes that are mirrored, or of a sense of
-    rotation against the right-hand rule. It has to explain the change of the specific force, which those of the file do
-    not.
+    Of all orders and signs; one that is no rotation is of axes that are mirrored, or of a sense of rotation against the
+    right-hand rule. It has to explain the change of the specific force, and leave far less of it than those of the
+    file.
 
     Parameters
     ----------
@@ -247,9 +248,14 @@ def opposed(gyro: np.ndarray, accel: np.ndarray, rate_hz: float) -> tuple[int, .
     if found is None:
         return None
     change, force, rate = found
-    by_signs = {signs: _correlation(change, -np.cross(rate * signs, force)) for signs in product((1, -1), repeat=3)}
-    best = max(by_signs, key=by_signs.__getitem__)
-    return best if by_signs[best] > EXPLAINED and by_signs[1, 1, 1] < UNEXPLAINED else None
+    by_order = {
+        tuple(zip(order, signs, strict=True)): _correlation(change, -np.cross(rate[:, order] * signs, force))
+        for order in permutations(range(3))
+        for signs in product((1, -1), repeat=3)
+    }
+    best, own = max(by_order, key=by_order.__getitem__), ((0, 1), (1, 1), (2, 1))
+    left = {order: 1 - max(by_order[order], 0.0) ** 2 for order in (best, own)}
+    return best if by_order[best] > EXPLAINED and left[own] > FAR_MORE * left[best] else None
 
 
 def _correlation(change: np.ndarray, turn: np.ndarray) -> float:

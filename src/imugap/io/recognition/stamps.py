@@ -79,6 +79,18 @@ def unit_of_stamps(time: np.ndarray, contract: bool) -> tuple[str, str]:
     raise ValueError(f"the unit of the stamps (--time-unit decides); found a step of {step:.6g}: {readings}")
 
 
+def require_rate(time: np.ndarray, unit: str) -> None:
+    """Raise a ValueError where stamps, shape (n,), in the unit of a header have a rate of no inertial sensor."""
+    step = step_of(time)
+    rates = {one: 1 / (step * factor(one)) for one in dict.fromkeys((unit, *TICKS))}
+    if len(time) < FEWEST or not np.isfinite(step) or SLOWEST_CONTRACT_HZ <= rates[unit] <= FASTEST_HZ:
+        return
+    admitted = [one for one, rate in rates.items() if SLOWEST_HZ < rate < FASTEST_HZ]
+    if admitted:
+        readings = " or ".join(f"{rates[one]:.4g} Hz in {one}" for one in (unit, *admitted))
+        raise ValueError(f"stamps in {unit} as the header has it (--time-unit decides); found {readings}")
+
+
 def are_clock_numbers(time: np.ndarray) -> bool:
     """Return whether stamps, shape (n,), are times of day as numbers, HHMMSS: 59 s is followed by the next minute."""
     finite = time[:ROWS][np.isfinite(time[:ROWS].astype(float))].astype(float)
