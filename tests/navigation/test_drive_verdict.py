@@ -65,6 +65,15 @@ def test_a_sound_drive_with_a_stretch_of_gross_errors_says_what_share_of_the_fix
     assert re.fullmatch(r"Device and fixes agree, but for [1-4]\.\d% of the fixes, which count .*", str(found))
 
 
+def test_fixes_that_are_off_to_the_end_are_named(level):
+    fixes = level.fixes(1, SEED)
+    fixes.loc[fixes.index >= fixes.index[-1] - 12, "latitude"] += 40 / 6.4e6
+    found = verdict(level, fixes).verdict
+    assert not found.agrees
+    assert found.offset_since == pytest.approx(fixes.index[-1] - 12, abs=3)
+    assert f"From {found.offset_since:.10g} s to the end the path lies beside the fixes" in str(found)
+
+
 @pytest.mark.parametrize("seconds", [18.0, -7.3, 0.2])
 def test_a_time_offset_is_named_and_corrected(level, seconds):
     found = verdict(level, later(level.fixes(1, SEED), seconds))

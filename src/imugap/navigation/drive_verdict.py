@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import chdtri
 
-from imugap.filters.innovation_gate import QualityControl
+from imugap.filters.innovation_gate import CLOSED, OPENED, RESET, SEPARATED, QualityControl
 from imugap.io.gnss import PLACE_STD, VELOCITY_STD
 from imugap.navigation.correction import Correction
 from imugap.navigation.drive_error_search import FAILING, LARGEST_NIS, InnovationFit, deviations, solve
@@ -53,6 +53,8 @@ class DriveVerdict:
         degrees of freedom; NaN where there are none.
     outage_limit
         Limit of the outage test.
+    offset_since
+        Time from which on to the end the positions of the fixes are taken to be off by an offset [s]; None if not.
     """
 
     corrections: tuple[Correction, ...]
@@ -60,6 +62,7 @@ class DriveVerdict:
     smoother: float
     outage: float
     outage_limit: float
+    offset_since: float | None = None
 
     @property
     def reasons(self) -> list[str]:
@@ -78,7 +81,7 @@ class DriveVerdict:
     @property
     def agrees(self) -> bool:
         """Whether everything agrees as it was given."""
-        return not self.corrections and not self.reasons
+        return not self.corrections and not self.reasons and self.offset_since is None
 
     @property
     def factor(self) -> float:
@@ -94,7 +97,12 @@ class DriveVerdict:
             parts.append(f"device and fixes do not agree: {'; '.join(self.reasons)}; nothing that was tried corrects "
                          f"it, and the stated deviations are multiplied by {self.factor:.2g}")  # fmt: skip
         else:
-            parts.append("device and fixes agree" + (" then" if self.corrections else "") + self._exceptions())
+            until = "" if self.offset_since is None else f" until {self.offset_since:.10g} s"
+            then = " then" if self.corrections else ""
+            parts.append(f"device and fixes agree{then}{until}{self._exceptions()}")
+        if self.offset_since is not None:
+            parts.append(f"from {self.offset_since:.10g} s to the end the path lies beside the fixes: these "
+                         "are off, or earlier ones drew it away")  # fmt: skip
         return ". ".join(one[0].upper() + one[1:] for one in parts) + "."
 
     def _exceptions(self) -> str:
@@ -108,7 +116,15 @@ def judge(
 ) -> DriveVerdict:
     """Judge the solutions of a drive."""
     outage, limit = outage_test(inputs)
-    return DriveVerdict(corrections, InnovationFit.of(filtered), smoother_test(filtered, smoothed), outage, limit)
+    smoother = smoother_test(filtered, smoothed)
+    return DriveVerdict(corrections, InnovationFit.of(filtered), smoother, outage, limit, _offset_since(filtered))
+
+
+def _offset_since(solution: DriveSolution) -> float | None:
+    """Return the time at which an offset was opened that neither closes nor ends in a reset [s]."""
+    events = solution.events
+    last = events[events["event"].isin((OPENED, SEPARATED, CLOSED, RESET))].tail(1)
+    return next((float(one.time) for one in last.itertuples() if one.event in (OPENED, SEPARATED)), None)
 
 
 def smoother_test(filtered: DriveSolution, smoothed: DriveSolution) -> float:
