@@ -81,5 +81,7 @@ def test_the_execution_by_the_workflow_has_the_same_outputs(name):
 def test_a_fresh_execution_has_the_same_outputs(name):
     client = pytest.importorskip("nbclient")
     fresh = read(name)
-    client.NotebookClient(fresh, timeout=900, startup_timeout=600, resources={"metadata": {"path": FOLDER}}).execute()
+    client.NotebookClient(
+        fresh, timeout=900, startup_timeout=600, coalesce_streams=True, resources={"metadata": {"path": FOLDER}}
+    ).execute()
     assert shown(fresh) == shown(read(name))
