@@ -45,6 +45,7 @@ from imugap.units import STANDARD_GRAVITY
 
 FARTHER = "the model with it is farther from data that no fit has seen"
 OF_EITHER = "it may be of the reference"
+NOT_SEARCHED = "it is not among the effects that are searched for"
 NOT_RECURRING = "further runs are less likely with it"
 BY_ALL_RUNS = "noise that only all runs together show explains it"
 """Reasons for withdrawing an effect."""
@@ -340,7 +341,7 @@ def leave_one_out(
 
 def _measured(located: _Located) -> _Measured:
     """Name effects, and measure distances, until none is to be withdrawn."""
-    withdrawn = _of_either(located)
+    withdrawn = _not_nameable(located)
     measured = _modelled(located, withdrawn)
     while (more := _to_withdraw(measured, withdrawn)) != withdrawn:
         withdrawn = more
@@ -354,12 +355,17 @@ def _modelled(stage: _Located, withdrawn: Withdrawn) -> _Measured:
     return _measure_distances(_assemble(_compare_runs(_name_effects(stage, withdrawn))))
 
 
-def _of_either(stage: _Prepared) -> Withdrawn:
-    """Return the kinds that may be of a reference with errors of its own: all but answers to motion and temperature."""
-    if stage.band is None:
-        return {}
-    kinds = [kind for kind in stage.settings.catalogue if not (kind.of_motion or kind.of_temperature)]
-    return dict.fromkeys(stage.record.sequences, dict.fromkeys(kinds, OF_EITHER))
+def _not_nameable(stage: _Prepared) -> Withdrawn:
+    """Return the kinds that get no name on any axis.
+
+    That is what is not searched for, and of a reference with errors of its own all but answers to motion and
+    temperature.
+    """
+    searched = stage.settings.catalogue
+    kinds = {kind: NOT_SEARCHED for kind in CATALOGUE.values() if kind not in searched}
+    if stage.band is not None:
+        kinds |= {kind: OF_EITHER for kind in searched if not (kind.of_motion or kind.of_temperature)}
+    return dict.fromkeys(stage.record.sequences, kinds) if kinds else {}
 
 
 def _to_withdraw(stage: _Measured, withdrawn: Withdrawn) -> Withdrawn:

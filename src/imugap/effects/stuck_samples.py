@@ -86,7 +86,7 @@ class StuckSamples(Effect):
         lattice follows from the numbers of one-step and two-step differences, since the logarithm of a normal density
         is a parabola. Parts of the log with another noise level are excluded. An axis with too coarse a lattice is
         tested for repeats where the others are stuck. In fast motion zero differences are compared with one-step
-        differences.
+        differences. Repeats of one axis that prefer a value are of another cause.
         """
         columns = values.reshape(len(values), -1)
         known = np.flatnonzero(np.isfinite(columns).all(axis=1))
@@ -103,6 +103,8 @@ class StuckSamples(Effect):
             return None
         estimate, stuck = found
         if not all(_along(column[known], stuck) for column in columns.T[~telling]):
+            return None
+        if columns.shape[1] == 1 and _at_one_level(columns[known, 0], stuck):
             return None
         flawed = np.zeros(len(values), bool)
         flawed[known[stuck]] = True
@@ -212,6 +214,14 @@ def _along(values: np.ndarray, stuck: np.ndarray) -> bool:
     """Return whether values repeat significantly more often in stuck rows, shape (n,), than in all rows."""
     same = np.r_[False, values[1:] == values[:-1]]
     return bdtrc(np.count_nonzero(same & stuck) - 1, np.count_nonzero(stuck), same.mean()) < IMPROBABLE
+
+
+def _at_one_level(values: np.ndarray, stuck: np.ndarray) -> bool:
+    """Return whether repeats, mask of shape (n,), prefer one value, as at a limit or in a dead zone."""
+    begins = values[:-1][stuck[1:] & ~stuck[:-1]]
+    level, counts = np.unique(begins, return_counts=True)
+    share = np.mean(values[~stuck] == level[np.argmax(counts)])
+    return bool(bdtrc(counts.max() - 1, len(begins), share) < IMPROBABLE)
 
 
 def _coincidence(values: np.ndarray) -> float:

@@ -23,3 +23,8 @@ def test_a_line_that_does_not_move_is_no_chirp():
 def test_a_chirp_that_moves_keeps_its_name(rate):
     chirp = Chirp(0.9, rate, 1e-3, 0.4)
     assert judged(chirp, chirp).log_p > -5
+
+
+def test_a_drift_of_two_periods_is_no_chirp():
+    drift = Chirp(1e-3, 1e-6, 1e-3, 0.4)
+    assert "fewer than 3 periods" in judged(drift, drift).reason

@@ -10,6 +10,7 @@ from imugap.discovery.checks.periodic import effect_against_periodic
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.intervals import term_intervals
 from imugap.discovery.search.search import Candidate, log_p_of_gain
+from imugap.discovery.unnamed.periodic import MIN_PERIODS
 from imugap.discovery.unnamed.wandering_lines import MAX_DISTANCE
 from imugap.effects.effect import TINY
 
@@ -25,6 +26,8 @@ def mean_misfit(candidate: Candidate) -> Misfit | None:
     unresolved = _unresolved_parameter(candidate)
     if unresolved is not None:
         return unresolved
+    if _is_drift(candidate):
+        return Misfit(f"it has fewer than {MIN_PERIODS} periods, as a drift of any shape may have", -np.inf)
     if _has_harmonic(fit, index):
         return Misfit("lines at its multiples make it a wave of another shape", -np.inf)
     if _has_close_line(fit, index) or _has_sidebands(fit, index):
@@ -35,6 +38,13 @@ def mean_misfit(candidate: Candidate) -> Misfit | None:
     if not candidate.effect.event:
         return shape
     return min(shape, effect_against_periodic(candidate), key=lambda misfit: misfit.log_p)
+
+
+def _is_drift(candidate: Candidate) -> bool:
+    """Return whether a tone that changes its frequency has too few periods in the log to be one."""
+    effect, sequence = candidate.effect, candidate.fit.sequence
+    duration = sequence.conditions.interval * len(sequence.values)
+    return effect.tonal and not effect.line and sum(effect.reach(duration)) / 2 * duration < MIN_PERIODS
 
 
 def shape_log_p(fit: AxisFit, index: int) -> float:
