@@ -11,7 +11,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from imugap.discovery.device import Discovery
 from imugap.discovery.evaluation.distance import Distances, Drifts
-from imugap.discovery.finding import Discrepancy
+from imugap.discovery.finding import Discrepancy, Interval
 from imugap.discovery.views import Curve
 from imugap.discovery.views.discrepancies import ViewTest
 from imugap.figures.style import AXIS_TITLES, card, legend_below, panels_of, text_figure
@@ -23,7 +23,7 @@ MOST, FEW = 20, 4
 TALL, LOW, MANY = 1.6, 0.85, 6
 """Height of a row of drifts [inch], and where there are more than so many rows."""
 LEVEL = 0.95
-LOG, BEFORE, AFTER, PLACE = "black", "#D55E00", "#0072B2", "#CC79A7"
+LOG, BEFORE, AFTER, PLACE, DESCRIBED = "black", "#D55E00", "#0072B2", "#CC79A7", "#009E73"
 STATES = {"before": ("start model", BEFORE), "after": ("final model", AFTER)}
 LINEAR = 20.0
 """Gain up to which a panel is linear; beyond, logarithmic."""
@@ -151,9 +151,9 @@ def place(found: Discovery, alpha: float, key: tuple[str, str]) -> Figure:
 def distance_of(found: Discovery, name: str) -> Figure:
     """Draw one distance of the held-out data to both models beside the floor, as wide as a phone."""
     figure, (panel,) = card(2.2)
-    _distance(panel, found.distances[name])
+    _distance(panel, found.distances[name], _described(found, name))
     panel.set_ylabel("distance")
-    legend_below(figure, 3)
+    legend_below(figure, 2)
     return figure
 
 
@@ -174,22 +174,29 @@ def distance(found: Discovery) -> Figure:
     """Draw the distances of the held-out data to both models beside the floor, the band."""
     figure, grid = panels_of(1, len(found.distances), 2.0)
     for (name, apart), panel in zip(found.distances.items(), grid[0], strict=True):
-        _distance(panel, apart)
+        _distance(panel, apart, _described(found, name))
         panel.set_title(NAMES[name])
     grid[0, 0].set_ylabel("distance")
     legend_below(figure, 3)
     return figure
 
 
-def _distance(panel: Axes, apart: Distances) -> None:
-    """Draw one distance to both models beside the floor, the band."""
+def _described(found: Discovery, name: str) -> Interval | None:
+    """Return the distance with a description of what has no name, or None."""
+    return None if found.nameless is None or name != "distribution" else found.nameless.distances.after
+
+
+def _distance(panel: Axes, apart: Distances, described: Interval | None) -> None:
+    """Draw one distance to both models, and to one with descriptions, beside the floor, the band."""
     panel.axhspan(apart.floor.low, apart.floor.high, color="#cccccc", lw=0, label="floor (95 %)")
     panel.axhline(apart.floor.value, color="#888888", lw=0.6)
-    for place, (state, (title, colour)) in enumerate(STATES.items()):
-        one = getattr(apart, state)
+    points = [(state, getattr(apart, state), *look) for state, look in STATES.items()]
+    points += [] if described is None else [("described", described, "described without a name", DESCRIBED)]
+    for place, (_, one, title, colour) in enumerate(points):
         ends = [[one.value - one.low], [one.high - one.value]]
         panel.errorbar([place], [one.value], ends, fmt="o", ms=5, color=colour, capsize=4, label=title)
-    panel.set(xticks=[0, 1], xticklabels=list(STATES), xlim=(-0.6, 1.6), yscale="log")
+    ticks = range(len(points))
+    panel.set(xticks=ticks, xticklabels=[one[0] for one in points], xlim=(-0.6, len(points) - 0.4), yscale="log")
     panel.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     panel.yaxis.set_major_formatter(PLAIN)
     panel.yaxis.set_minor_formatter(NullFormatter())

@@ -67,7 +67,7 @@ def page(result: FileDiscovery) -> Page:
             Part("What else the log shows", (Points(tuple(_remarks(result))),) if list(_remarks(result)) else ()),
             Part("Where log and simulator disagree", tuple(_places(result))),
             Part("How far the model is from data that it has not seen", tuple(_distances(result))),
-            Part("Noise without a name, described", tuple(_nameless(found.nameless))),
+            Part("Noise without a name, described", tuple(_nameless(found.nameless, rule))),
             simulator_part(found.final, rule, (_compared(found.start, found.final),)),
             filter_part(lambda target: export(found.final, target, rule)),
             Part("The log", tuple(_log(result))),
@@ -117,7 +117,7 @@ def _finding(one: Finding) -> Iterable[Block]:
         yield Text(f"In the filter: {FILTER_SIDE[effect.role]}")
 
 
-def _nameless(nameless: NamelessNoise | None) -> Iterable[Block]:
+def _nameless(nameless: NamelessNoise | None, rule: Rule) -> Iterable[Block]:
     """Yield how noise without a name is described, and what a simulation with it is like."""
     if nameless is None:
         return
@@ -133,7 +133,7 @@ def _nameless(nameless: NamelessNoise | None) -> Iterable[Block]:
     )
     yield DataTable("Descriptions beside the named effects.", ("axis", "description", "number"), rows)
     yield Text("The file described.yaml beside this page is the model with them:")
-    yield Snippet("imugap simulate described.yaml --duration 600 --rate 100 --out simulated.csv")
+    yield Snippet(f"imugap simulate described.yaml --duration 600 --rate {rule.rate:g} --out simulated.csv")
 
 
 def _against(rows: Sequence[StartParameter]) -> Iterable[Block]:
