@@ -4,6 +4,7 @@ import multiprocessing
 import os
 import shlex
 import time
+from contextlib import suppress
 from importlib import import_module
 
 import numpy as np
@@ -72,6 +73,30 @@ def contents(folder):
     return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
+def wait_for_change(folder, process):
+    """Return once anything in a folder has changed, or the process has ended."""
+
+    def seen():
+        return {path: path.lstat().st_mtime_ns for path in (folder, *folder.rglob("*")) if os.path.lexists(path)}
+
+    before = seen()
+    while process.is_alive():
+        with suppress(FileNotFoundError):  # gone between its name and its time
+            if seen() != before:
+                return
+
+
+def kill(process, folder, moment, rng, duration):
+    """Kill a process at any time, or a little after it begins to write, or as its output changes."""
+    if moment == 0:
+        process.join(rng.uniform(0, 1.1) * duration)
+    else:
+        wait_for_change(folder if moment == 1 else folder / "found", process)
+        process.join(rng.uniform(0, (0.3, 0.001)[moment - 1]))
+    process.kill()
+    process.join()
+
+
 @pytest.mark.parametrize(("command", "kills"), KILLS)
 def test_a_killed_command_leaves_the_old_or_the_new_output(inputs, tmp_path, command, kills):
     whole = {}
@@ -88,11 +113,9 @@ def test_a_killed_command_leaves_the_old_or_the_new_output(inputs, tmp_path, com
         whole[name] = contents(folder / "found")
     assert whole["one"].keys() == whole["two"].keys()
     rng = stream(1, "killed", command)
-    for kill in range(kills):
-        process = begun(tmp_path / "one", LINES[command].format(("two", "one")[kill % 2]))
-        process.join(rng.uniform(0, 1.1) * duration)
-        process.kill()
-        process.join()
+    for number in range(kills):
+        process = begun(tmp_path / "one", LINES[command].format(("two", "one")[number % 2]))
+        kill(process, tmp_path / "one", number % 3, rng, duration)
         found = contents(tmp_path / "one" / "found")
         assert found in whole.values()
     process = begun(tmp_path / "one", LINES[command].format("two"))

@@ -72,6 +72,18 @@ def test_turned_axes_are_refused_until_they_are_to_be_aligned(tmp_path, ideal, c
     np.testing.assert_allclose(written(out)[list(ideal)], turned, atol=5e-3)
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_motion_about_one_axis_leaves_the_axes_as_they_are(tmp_path):
+    columns = dict(zip(QUATERNION, Rotation.from_euler("Z", np.sin(TIME)[:, None]).as_quat().T, strict=True))
+    turning = pd.DataFrame(columns | dict.fromkeys(POSITION, 0.0), index=pd.Index(TIME, name=log.TIME))
+    out = tmp_path / "ideal.csv"
+    about_z = error_free_log(turning, TIME, -G)
+    measured = write_log(tmp_path / "log.csv", about_z)
+    arguments = [write_tum(tmp_path / "poses.txt", turning), "--log", measured, "--out", str(out)]
+    assert cli.main(["reference", *arguments]) == 0
+    np.testing.assert_allclose(written(out)[list(about_z)], about_z, atol=2e-4)
+
+
 def test_a_lag_moves_the_motion_to_later_stamps(tmp_path, ideal):
     out = tmp_path / "ideal.csv"
     arguments = [write_tum(tmp_path / "poses.txt", poses()), "--log", write_log(tmp_path / "log.csv", ideal)]

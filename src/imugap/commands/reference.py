@@ -23,6 +23,8 @@ from imugap.io.recognition.frame import AS_IS
 from imugap.kinematics.error_free import QUATERNION, error_free_log_of, rows_like
 from imugap.log import GYRO, LogError
 
+ONE_AXIS = 1e-12
+"""Share of the product of the rates about two other axes, below which a device turns about one axis alone."""
 MAX_ANGLE_DEG = 5.0
 """Largest angle between the axes of poses and device that may be an error of the device."""
 
@@ -88,13 +90,16 @@ def _error_free(poses: pd.DataFrame, measured: pd.DataFrame, options: argparse.N
 def _turn(ideal: pd.DataFrame, measured: pd.DataFrame) -> Rotation:
     """Return the rotation from the axes of the gyroscopes to those of the poses that fits the angular rates best.
 
-    Least squares of Wahba's problem; no rotation for a log without all three gyroscopes.
+    Least squares of Wahba's problem; no rotation for a log without all three gyroscopes, or that turns about one axis
+    alone.
     """
     names = [axis for axis in GYRO if axis in measured]
     if len(names) < len(GYRO):
         return Rotation.identity()
     rates = rows_like(measured, ideal)[names]
-    return Rotation.align_vectors(*(one[names] - one[names].mean() for one in (ideal, rates)))[0]
+    true, own = (one[names].to_numpy() - one[names].mean().to_numpy() for one in (ideal, rates))
+    first, *others = np.linalg.svd(true.T @ own, compute_uv=False)
+    return Rotation.align_vectors(true, own)[0] if sum(others) > ONE_AXIS * first else Rotation.identity()
 
 
 def _fit(ideal: pd.DataFrame, measured: pd.DataFrame) -> list[str]:

@@ -101,3 +101,9 @@ def test_four_devices_are_not_taken_as_two(tmp_path):
         read(path)
     with pytest.raises(LogError, match="--rows 1/2"):
         read(path, RecordingSettings(rows=(1, 2)))
+
+
+@pytest.mark.filterwarnings("error")
+def test_devices_are_counted_whatever_the_size_of_their_values():
+    stamps = np.repeat(times(COUNT), 2) + 1e-5 * np.arange(2 * COUNT)
+    assert interleaved(1e200 * alternating(devices_of(2)), stamps).devices == 2

@@ -100,6 +100,7 @@ def _difference(values: np.ndarray, devices: int) -> float:
     size = min(BLOCK, len(values) // (devices * FEWEST_BLOCKS))
     if size < 1:
         return 0.0
+    values = values / np.maximum(np.abs(values).max(axis=0), np.finfo(float).tiny)  # squares of any size
     means = _block_means(values, devices, size)
     patterns = means - means.mean(axis=1, keepdims=True)
     mean, error = patterns.mean(axis=0), patterns.std(axis=0, ddof=1) / np.sqrt(len(patterns))
