@@ -4,6 +4,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from imugap import cli, log
+from imugap.discovery.reference_band import reference_band
 from imugap.io import recording
 from imugap.io.recognition.frame import AS_IS
 from imugap.kinematics.error_free import POSITION, QUATERNION, error_free_log
@@ -82,6 +83,13 @@ def test_a_motion_about_one_axis_leaves_the_axes_as_they_are(tmp_path):
     arguments = [write_tum(tmp_path / "poses.txt", turning), "--log", measured, "--out", str(out)]
     assert cli.main(["reference", *arguments]) == 0
     np.testing.assert_allclose(written(out)[list(about_z)], about_z, atol=2e-4)
+
+
+@pytest.mark.filterwarnings("error")
+def test_an_axis_without_any_motion_or_noise_is_compared_without_a_warning():
+    still = dict.fromkeys(log.AXES, np.zeros(COUNT))
+    ideal = log.from_samples(still | {"gyro_z": np.sin(TIME)}, STEP)
+    assert reference_band(ideal.assign(gyro_x=1e-3), ideal, STEP) is None
 
 
 def test_a_lag_moves_the_motion_to_later_stamps(tmp_path, ideal):

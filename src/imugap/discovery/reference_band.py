@@ -148,7 +148,8 @@ def _shows(difference: np.ndarray, motion: np.ndarray, louder: np.ndarray) -> bo
         return True
     if power.sum() < MIN_RATIO * own.sum() or _coherence(difference, motion) > MAX_COHERENCE:
         return False
-    return bool(_grows(power, louder) or _rises(power, louder, difference.shape[1]))
+    varied = np.ptp(power) > 0 and np.ptp(louder) > 0
+    return bool(varied and (_grows(power, louder) or _rises(power, louder, difference.shape[1])))
 
 
 def _coherence(one: np.ndarray, other: np.ndarray) -> float:
