@@ -47,6 +47,14 @@ def test_rows_of_one_device_are_of_one(device):
     assert interleaved(shaken) is None
 
 
+def test_a_vibration_at_a_fraction_of_the_rate_is_of_one_device():
+    samples, row = at_rest(12000), np.arange(12000)
+    for period in (4, 5, 8):
+        amplitudes = [0.01, 0.02, 0.0, 1.0, 0.5, 2.0]
+        shaken = samples + np.sin(2 * np.pi * row / period + 0.4)[:, None] * amplitudes
+        assert interleaved(shaken) is None
+
+
 def test_two_devices_that_move_alike_on_average_are_found_by_their_motion():
     left, right = turned(6000)[:3000], -turned(6000)[1111:4111] + 0.0
     mixed = np.stack([left, right], axis=1).reshape(-1, 6)

@@ -18,6 +18,8 @@ IMPROBABLE = 1e-9
 """Probability of the difference of the means by chance below which they are of several devices."""
 EXPLAINED = 0.9
 """Share of the largest difference between rows from which fewer devices explain it."""
+ONE_LINE = 0.99
+"""Share of the power of a pattern in one harmonic above which it is a vibration."""
 NEARER = 4.0
 """Ratio of the changes from row to row to those from a device's row to its next, from which there are several."""
 FAR = 8
@@ -25,8 +27,9 @@ FAR = 8
 ORDINALS = {2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth", 7: "seventh", 8: "eighth"}
 WINDOW = 64
 """Rows over which these changes are compared."""
-USUAL = 0.8
-"""Share of the windows, and of the axes, in which they have to differ."""
+MOVING, USUAL = 0.25, 0.8
+"""Share of the windows, those of a motion, in which these changes have to differ, and of the axes on which; and share
+of the windows in which there are two groups."""
 APART = 6.0
 """Distance of two groups of samples over the scatter within them from which they are two; that of a uniform
 distribution, halved, is 3.5."""
@@ -109,7 +112,14 @@ def _difference(values: np.ndarray, devices: int) -> float:
     if not known.any() or chances.min() * chances.size * MOST > IMPROBABLE:
         return 0.0
     scale = np.mean(np.diff(values, axis=0) ** 2, axis=0)
-    return float(np.sum((mean**2 - error**2)[:, scale > 0] / scale[scale > 0]) / devices)
+    mean, error = (one[:, scale > 0] / np.sqrt(scale[scale > 0]) for one in (mean, error))
+    return 0.0 if _is_vibration(mean) else float(np.sum(mean**2 - error**2) / devices)
+
+
+def _is_vibration(pattern: np.ndarray) -> bool:
+    """Return whether a pattern, shape (rows, axes), that has several harmonics has the power of one: no devices do."""
+    power = np.sum(np.abs(np.fft.rfft(pattern, axis=0)[1:]) ** 2, axis=1)
+    return len(power) > 1 and bool(power.max() > ONE_LINE * power.sum())
 
 
 def _block_means(values: np.ndarray, devices: int, size: int) -> np.ndarray:
@@ -119,14 +129,14 @@ def _block_means(values: np.ndarray, devices: int, size: int) -> np.ndarray:
 
 
 def _by_motion(values: np.ndarray, devices: int) -> Interleaved | None:
-    """Return devices where most samples are far nearer to those of their own device than to the rows between."""
-    own = -(-FAR // devices) * devices
-    windows = (len(values) - own) // WINDOW
+    """Return devices where samples in motion are far nearer to those of their own device than to the rows between."""
+    last = -(-FAR // devices) * devices
+    windows = (len(values) - last) // WINDOW
     if windows < FEWEST_BLOCKS:
         return None
-    ratio = np.min([_change(values, lag, windows) for lag in range(1, devices)], axis=0)
-    nearer = ratio > NEARER * _change(values, own, windows)
-    if np.mean(np.mean(nearer, axis=0) > USUAL) <= USUAL:
+    others = np.min([_change(values, lag, windows) for lag in range(1, devices)], axis=0)
+    own = np.max([_change(values, lag, windows) for lag in range(devices, last + 1, devices)], axis=0)
+    if np.mean(np.mean(others > NEARER * own, axis=0) > MOVING) <= USUAL:
         return None
     return Interleaved(devices, f"samples that are nearer to every {ORDINALS[devices]} one than to those between")
 
