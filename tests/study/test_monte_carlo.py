@@ -6,7 +6,7 @@ from imugap.effects import WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.estimation.result import Fit, ParameterEstimate
 from imugap.stream import stream
-from imugap.study.monte_carlo import row, summary
+from imugap.study.monte_carlo import row, summary, worse_than
 
 KEY = ("white_noise", 1, "density")
 
@@ -56,3 +56,14 @@ def test_intervals_of_the_summary_hold_the_truth_as_often_as_they_say():
             found["coverage_low"] <= 0.6827 <= found["coverage_high"],
         ]
     assert (abs(held / 200 - 0.95) < [0.06, 0.05]).all()
+
+
+def test_a_method_is_worse_only_where_its_interval_lies_above():
+    ends = {"allan": (2.3, 3.3), "indirect": (0.7, 2.2), "likelihood": (0.5, 0.9)}
+    rows = [
+        {"effect": "white_noise", "parameter": "density", "time": 10, "method": method,
+         "efficiency_low": low, "efficiency_high": high}
+        for method, (low, high) in ends.items()
+    ]  # fmt: skip
+    summaries = pd.DataFrame(rows + [{**one, "time": 50, "efficiency_low": 0.4} for one in rows])
+    assert list(worse_than(summaries, "likelihood")) == [("white_noise", "density", 10, ["allan"])]

@@ -33,9 +33,9 @@ def test_words_follow_the_side():
     [
         ((0.96, 1.0), "the claim holds"),
         ((0.90, 0.97), "the drives are too few to decide"),
-        ((0.60, 0.80), "the gate helps, but in fewer drives than the aim"),
-        ((0.40, 0.60), "the gate neither helps nor harms beyond chance"),
-        ((0.10, 0.40), "the gate does harm"),
+        ((0.60, 0.80), "the claim fails, and the gate helps"),
+        ((0.40, 0.60), "the claim fails, and the gate neither helps nor harms beyond chance"),
+        ((0.10, 0.40), "the claim fails, and the gate does harm"),
     ],
 )
 def test_the_gate_is_judged_by_its_aim_and_by_one_half(interval, said):

@@ -157,15 +157,19 @@ def by_kind(cases):
     return cases["kind"].value_counts().reindex(["single", "pair", "nothing", "unknown"], fill_value=0).to_dict()
 
 
-def numbers(scores, beside, misses, seconds, clear_size):
-    """Return what the text says."""
-    cases = scores.cases
-    naming = blind.naming(scores.effects, clear_size).set_index(["group", "score"])
-    named = {
+def named_shares(effects, smallest):
+    """Return the shares of the names that are right, of effects from the size ``smallest`` upward."""
+    naming = blind.naming(effects, smallest).set_index(["group", "score"])
+    return {
         f"{group}_{score}": {"count": int(one["count"]), "right": round(one["count"] * one["rate"])}
         | {end: f"{100 * one[end]:.0f}" for end in ("rate", "low", "high")}
         for (group, score), one in naming[naming["count"] > 0].iterrows()
     }
+
+
+def numbers(scores, beside, misses, seconds, clear_size):
+    """Return what the text says."""
+    cases = scores.cases
     alarm = blind.false_alarms(cases).set_index("alarm").loc["name"]
     closed = blind.floor_reached(scores, clear_size).fillna({"rate": 0.0}).set_index(["distance", "scope"])
     far, drift = closed.loc[("distance", blind.BEYOND)], closed.loc["navigation_distance"].T
@@ -181,7 +185,8 @@ def numbers(scores, beside, misses, seconds, clear_size):
         "false_names": f"{100 * alarm['rate']:.1f}",
         "false_names_high": f"{100 * alarm['high']:.1f}",
         "quiet": int(alarm["count"]),
-        "named": named,
+        "named": named_shares(scores.effects, clear_size),
+        "named_of_all": named_shares(scores.effects, 0.0),
         "alone": len(of_one),
         "beyond": int(far["count"]),
         "came": round(far["count"] * far["rate"]) if far["count"] else 0,

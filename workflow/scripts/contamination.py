@@ -71,5 +71,6 @@ with job(snakemake) as (source, params, output):
         "white": {name: tables.number(100 * value, 2) for name, value in dirty["bias"]["density"].items()},
         "time": {name: tables.number(100 * v, 2) for name, v in dirty["rmse"]["correlation_time"].items()},
     }
+    said["correlation_time_s"] = f"{next(true for key, true in truth.items() if key[2] == 'correlation_time'):g}"
     table = data, page(data)
     save(output, figure=estimation.contamination(data), table=table, numbers=said | params.contamination)

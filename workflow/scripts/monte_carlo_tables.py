@@ -7,7 +7,7 @@ from imugap.estimation.cramer_rao import bound
 from imugap.estimation.methods import METHODS
 from imugap.figures import estimation
 from imugap.study.experiment import Experiment
-from imugap.study.monte_carlo import summary
+from imugap.study.monte_carlo import summary, worse_than
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
@@ -71,6 +71,13 @@ def numbers(estimates, truth, published, printed):
     return found
 
 
+def worse_page(found):
+    """Yield each parameter and correlation time at which methods are worse than the likelihood, with these methods."""
+    for effect, parameter, time, methods in worse_than(found[found["parameter"] != "driving_psd"], "likelihood"):
+        names = " and ".join(f"“{estimation.TITLES[name]}”" for name in methods)
+        yield {"parameter": estimation.SYMBOLS[effect, parameter], "time": time, "methods": names}
+
+
 def _majority(pair, printed):
     """Return how often the mean error of a block of ``printed`` runs is smaller by indirect inference."""
     block = np.arange(len(pair)) // printed
@@ -99,5 +106,7 @@ with job(snakemake) as (source, params, output):
     said = numbers(estimates, times, pd.read_csv(source.published), params.printed)
     figure = estimation.distributions(estimates, truths, limits)
     one = experiments[middle]
+    walks = estimates[(estimates["effect"] == "random_walk") & (estimates["method"] == "allan")]
+    said |= {"worse": list(worse_page(found)), "walks": len(walks), "walks_read": int((walks["value"] > 0).sum())}
     said |= {"middle": middle, "duration_h": f"{one.interval * one.count / 3600:g}"}
     save(output, five=(five, five_page(five)), summary=(found, summary_page(found)), figure=figure, numbers=said)

@@ -11,6 +11,7 @@ from imu_benchmark.scores import NONE, UNKNOWN, rate
 from imugap.effects import CATALOGUE
 from imugap.figures import sealed_trials as drawn
 from imugap.log import AXES
+from imugap.study import verdicts
 from imugap.study.detection_loss import bonferroni_half_size, half_size
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
@@ -20,6 +21,8 @@ CHOICES = len(CATALOGUE) * len(AXES)
 RESAMPLES = 400
 """Resamples of the cases for the interval of the calibration error."""
 MAX_LOSS = 2.0
+CALIBRATION_AIM = 0.03
+"""What the calibration error is to be at most."""
 
 
 def loss_table(curves):
@@ -86,6 +89,8 @@ def numbers(table, losses):
         "calibration_error": f"{calibration_error(table):.3f}",
         "calibration_low": f"{low:.3f}",
         "calibration_high": f"{high:.3f}",
+        "calibration_aim": f"{CALIBRATION_AIM:g}",
+        "calibration_verdict": verdicts.aim((low, high), CALIBRATION_AIM),
         "brier": f"{brier_score(table):.3f}",
         "log_score": f"{log_score(table):.3f}",
         "set_holds": f"{100 * held['rate']:.1f}",

@@ -63,7 +63,9 @@ def losses(curve: pd.DataFrame, table: pd.DataFrame, choices: int) -> Figure:
     rows, farthest = np.arange(len(table)), 2 * curve["size"].max()
     half, low, high = (table[end].clip(size[0], farthest) for end in ("half", "low", "high"))
     right.hlines(rows, low, high, color=FOUND, lw=1.2)
-    right.plot(half, rows, "o", ms=3.5, color=FOUND)
+    beyond = (table["half"] > farthest).to_numpy()
+    right.plot(half[~beyond], rows[~beyond], "o", ms=3.5, color=FOUND)
+    right.plot(half[beyond], rows[beyond], ">", ms=5, color=FOUND, clip_on=False)
     right.axvline(1.0, color=ORACLE)
     right.axvline(1 + shift, color=ORACLE, ls=":")
     right.set(

@@ -6,6 +6,7 @@ import pandas as pd
 
 from imugap.interchange.from_indices import SOURCE
 from imugap.kinematics.free_inertial import QUANTITIES
+from imugap.study import verdicts
 from imugap.workflow import tables
 
 RELIABLE, LIKELY = 0.95, 0.5
@@ -124,18 +125,18 @@ def of_walk(ends: pd.DataFrame, printed: pd.DataFrame) -> dict[str, str]:
     """Judge the claim that restoration improves a walk, against the bias that is in it."""
     one = ends.set_index("contender").loc["restoration"]
     units = {"position": "m", "heading": "°"}
-    lows, highs = ([one[f"{quantity}_excess{end}"] for quantity in units] for end in ("_low", "_high"))
+    sides = [verdicts.side((one[f"{quantity}_excess_low"], one[f"{quantity}_excess_high"])) for quantity in units]
     differences = [
         tables.interval(*(one[f"{quantity}_excess{end}"] for end in ("", "_low", "_high"))) + f" {unit}"
         for quantity, unit in units.items()
     ]
     gains = (printed.loc[f"end_{quantity}_error_reduction", "restoration"] for quantity in units)
-    verdict = "holds" if max(highs) < 0 else "does harm" if max(lows) > 0 else "does not hold"
+    verdict = "does harm" if max(sides) > 0 else "holds" if max(sides) < 0 else "not decided"
     return {
         "claim": "subtracted from the log of a walk it reduces the end error (excess over that of its bias alone)",
         "published": " / ".join(f"{gain:.1f} % less" for gain in gains),
         "device": "simulated walk",
         "here": " / ".join(differences),
-        "rule": "holds: both 95 % intervals below 0; does harm: one of them above 0",
+        "rule": "holds: both 95 % intervals below 0; does harm: one of them above 0; else not decided",
         "verdict": verdict,
     }

@@ -1,10 +1,13 @@
 """Monte Carlo scores of estimation methods: bias, error, coverage, efficiency, each with its interval."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import pandas as pd
 
 from imugap.estimation.result import Fit, Identifiability
 from imugap.stream import stream
+from imugap.study.verdicts import side
 
 RESAMPLES = 1000
 KEY = ["effect", "ordinal", "parameter"]
@@ -44,6 +47,20 @@ def summary(estimates: pd.DataFrame, truth: pd.Series, bound: pd.Series, seed: i
         true = truth[key[1:]]
         found.append(dict(zip(["method", *KEY], key, strict=True)) | _one(group, true, bound[key[1:]], seed, level))
     return pd.DataFrame(found)
+
+
+def worse_than(summaries: pd.DataFrame, method: str) -> Iterator[tuple[str, str, float, list[str]]]:
+    """Yield effect, parameter and ``time`` where methods are worse than ``method``, with the names of these methods.
+
+    A method is worse where the interval of its error over the bound lies wholly above that of ``method``.
+    ``summaries`` are tables of :func:`summary` with the column ``time``.
+    """
+    for key, group in summaries.groupby(["effect", "parameter", "time"], sort=False):
+        limits = group.set_index("method")[["efficiency_low", "efficiency_high"]]
+        reference = tuple(limits.loc[method])
+        worse = [name for name, *ends in limits.itertuples() if side(tuple(ends), reference) > 0]
+        if worse:
+            yield *key, worse
 
 
 def _one(group: pd.DataFrame, true: float, bound: float, seed: int, level: float) -> dict[str, float]:

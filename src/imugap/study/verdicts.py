@@ -32,16 +32,16 @@ def aim(interval: Interval, most: float) -> str:
 
 
 def gate(interval: Interval, share: float) -> str:
-    """Judge the interval of the share of drives in which the gate lowers an error, against its aim and one half."""
+    """Judge the interval of the share of drives in which the gate lowers an error, against its aim and one half.
+
+    The claim fails where the interval lies below its aim; the words after it compare the share with one half.
+    """
     if side(interval, share) > 0:
         return "the claim holds"
-    if side(interval, 0.5) < 0:
-        return "the gate does harm"
     if side(interval, share) == 0:
         return "the drives are too few to decide"
-    if side(interval, 0.5) > 0:
-        return "the gate helps, but in fewer drives than the aim"
-    return "the gate neither helps nor harms beyond chance"
+    half = {-1: "the gate does harm", 0: "the gate neither helps nor harms beyond chance", 1: "the gate helps"}
+    return f"the claim fails, and {half[side(interval, 0.5)]}"
 
 
 def change(before: Mapping[str, float], after: Mapping[str, float]) -> str:
