@@ -8,6 +8,7 @@ from tests.effects.simulated import EXAMPLES, allan_variances
 from imugap import log
 from imugap.analysis import static
 from imugap.effects import (
+    BandNoise,
     BiasInstability,
     ClockScale,
     GaussMarkov,
@@ -21,7 +22,7 @@ from imugap.effects import (
 from imugap.effects.effect import AxisModel, ClockEffect
 from imugap.model import ErrorModel
 
-OTHER_DRAWS = ("bias_instability", "power_law")
+OTHER_DRAWS = ("band_noise", "bias_instability", "power_law")
 NO_PLACE = ("temperature",)
 """Effects that need a temperature, which a device at rest does not have."""
 
@@ -57,7 +58,17 @@ def test_clock_effects_and_lost_samples_follow_one_another_in_parts():
     pd.testing.assert_frame_equal(pd.concat(in_parts(device, 5, most=100)), whole, rtol=1e-12, atol=1e-13)
 
 
-@pytest.mark.parametrize("effect", [BiasInstability(0.4), PowerLaw(0.4, 0.6), PowerLaw(0.4, 1.5), PowerLaw(0.4, 2.6)])
+@pytest.mark.parametrize(
+    "effect",
+    [
+        BandNoise(0.4, 4.0, 6.0),
+        BandNoise(0.4, 0.5, 0.8),
+        BiasInstability(0.4),
+        PowerLaw(0.4, 0.6),
+        PowerLaw(0.4, 1.5),
+        PowerLaw(0.4, 2.6),
+    ],
+)
 def test_noise_from_other_draws_has_its_allan_variance_in_parts(effect):
     averaging, interval = np.array([1, 4, 16, 64, 256]), 1 / 30
     device = ErrorModel({"gyro_x": AxisModel((effect,))})

@@ -30,6 +30,7 @@ from imugap.discovery.posterior import posterior
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.intervals import axis_unit, intervals
 from imugap.discovery.search.search import Candidate, Search, coloured, log_p_of_gain, stepping, without
+from imugap.discovery.search.simpler_form import simplified
 from imugap.discovery.search.telegraph import hidden_telegraph, steady, told_apart, two_valued
 from imugap.discovery.search.telegraph_in_noise import Switching
 from imugap.discovery.unnamed import wandering_lines
@@ -264,7 +265,7 @@ def _search(
     found = search.explore(before, partial(_unnamed_gain, search, len(taken) < MAX_BANDS))
     if all_against_motion(search, found).log_p < MAX_LOG_P:
         return _SearchEnd(search, found, taken, switched, odd=True)
-    found = steady(search, told_apart(search, found))
+    found = simplified(search, steady(search, told_apart(search, found)))
     bands = wandering_lines.find_bands(found) if len(taken) < MAX_BANDS else ()
     again = search.for_new_samples()
     if bands:

@@ -8,9 +8,12 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 from scipy.special import sici
 
-from imugap.effects.conditions import Conditions
-from imugap.effects.effect import Start, StochasticEffect, parameter
+from imugap.effects.conditions import Conditions, Run
+from imugap.effects.effect import Start, StochasticEffect, Transform, parameter
 from imugap.effects.residual import Residual
+
+PERIODS = 64
+"""Length of a segment of a run in parts, in inverse widths of the band."""
 
 
 @dataclass(frozen=True)
@@ -42,14 +45,39 @@ class BandNoise(StochasticEffect):
 
         The circular noise is twice as long as the run; a frequency of it at an end of the band counts by its share.
         """
-        length = next_fast_len(2 * len(conditions), real=True)
+        return self._drawn(len(conditions), conditions.interval, rng)
+
+    def _drawn(self, count: int, interval: float, rng: np.random.Generator) -> np.ndarray:
+        """Return so many samples at an interval [s]."""
+        length = next_fast_len(2 * count, real=True)
         spectrum = rfft(rng.standard_normal(length))
-        frequency, half = rfftfreq(length, conditions.interval), 0.5 / (length * conditions.interval)
+        frequency, half = rfftfreq(length, interval), 0.5 / (length * interval)
         low, high = self.edges
         within = np.minimum(frequency + half, high) - np.maximum(np.maximum(frequency - half, 0.0), low)
         share = np.clip(within / np.where(frequency > 0, 2 * half, half), 0.0, 1.0)
-        values = irfft(np.sqrt(share) * spectrum, length)[: len(conditions)]
-        return self.density / np.sqrt(conditions.interval) * values
+        return self.density / np.sqrt(interval) * irfft(np.sqrt(share) * spectrum, length)[:count]
+
+    def in_parts(self, run: Run, rng: np.random.Generator) -> Transform:
+        """Return a function that adds such noise to one part after the other, from other draws.
+
+        Independent segments overlap by half under windows whose squares add up to one; they are :data:`PERIODS` times
+        as long as the noise remembers, the inverse of the width, so that the ends of the band are as sharp as that.
+        """
+        memory = PERIODS / max(self.width * run.interval, PERIODS / run.count)
+        hop = int(np.clip(memory / 2, 1, run.count))
+        rise = np.sin(np.pi / 2 * (np.arange(hop) + 0.5) / hop)
+        ready, fading = np.empty(0), self._drawn(2 * hop, run.interval, rng)[hop:]
+
+        def transform(sequence: np.ndarray, conditions: Conditions) -> np.ndarray:
+            nonlocal ready, fading
+            while len(ready) < len(sequence):
+                segment = self._drawn(2 * hop, run.interval, rng)
+                ready = np.r_[ready, rise * segment[:hop] + rise[::-1] * fading]
+                fading = segment[hop:]
+            now, ready = ready[: len(sequence)], ready[len(sequence) :]
+            return sequence + now
+
+        return transform
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Return density^2 within the band."""

@@ -10,8 +10,9 @@ from scipy.fft import fft, next_fast_len
 
 from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import Start, SystematicEffect, parameter
+from imugap.effects.effect import TINY, Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
+from imugap.effects.sinusoid import LINE, Sinusoid
 from imugap.numerics.stack_slide import highest_track
 
 CHIRP = ("frequency", "chirp_rate", "amplitude", "phase")
@@ -54,6 +55,12 @@ class Chirp(SystematicEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return the chirp at the sample times."""
         return self.amplitude * np.cos(self.angle(conditions.time))
+
+    def simpler(self, time: float) -> Start:
+        """Return the line of the frequency and the phase at a time."""
+        frequency, bend = self.frequency + self.chirp_rate * time, np.pi * self.chirp_rate * time**2
+        line = Sinusoid(max(abs(frequency), TINY), self.amplitude, float(np.sign(frequency) * (self.phase - bend)))
+        return Start(line, LINE)
 
     def reach(self, duration: float) -> tuple[float, float]:
         """Return the frequencies at both ends of a log, the lower one first."""

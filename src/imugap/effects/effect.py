@@ -259,6 +259,10 @@ class Effect:
         """Return what becomes of ``sequence``, shape (n,): the error up to this stage, or the output."""
         raise NotImplementedError
 
+    def simpler(self, time: float) -> Start | None:
+        """Return the effect that it is where its essential parameters are zero, most alike at a time [s], or None."""
+        return None
+
     def in_parts(self, run: Run, rng: np.random.Generator) -> Transform | None:
         """Return :meth:`apply` as a function of one part of a run after the other, or None where there is none such."""
         return partial(self.apply, rng=rng) if self.memoryless else None

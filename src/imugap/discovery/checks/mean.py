@@ -10,6 +10,7 @@ from imugap.discovery.checks.periodic import effect_against_periodic
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.intervals import term_intervals
 from imugap.discovery.search.search import Candidate, log_p_of_gain
+from imugap.discovery.search.simpler_form import lost_essential
 from imugap.discovery.unnamed.periodic import MIN_PERIODS
 from imugap.discovery.unnamed.wandering_lines import MAX_DISTANCE
 from imugap.effects.effect import TINY
@@ -100,12 +101,10 @@ def _has_sidebands(fit: AxisFit, index: int) -> bool:
 
 
 def _unresolved_parameter(candidate: Candidate) -> Misfit | None:
-    """Return a misfit where the interval of a positive or an essential parameter reaches zero, or None."""
-    effect, ends = candidate.effect, term_intervals(candidate.fit, candidate.index)
-    limits = effect.limits()
-    lost = [
-        name
-        for name, (low, high) in ends.items()
-        if (limits[name][0] == TINY and low <= TINY) or (name in effect.essential and low <= 0 <= high)
-    ]
+    """Return a misfit where the interval of a positive parameter reaches zero, or that of an essential one, or None."""
+    limits = candidate.effect.limits()
+    ends = term_intervals(candidate.fit, candidate.index)
+    lost = [name for name, (low, _) in ends.items() if limits[name][0] == TINY and low <= TINY]
+    essential = lost_essential(candidate)
+    lost += [] if essential is None else [essential]
     return Misfit(f"the log does not tell its {lost[0].replace('_', ' ')}", -np.inf) if lost else None
