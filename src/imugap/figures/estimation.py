@@ -84,7 +84,7 @@ def distributions(estimates: pd.DataFrame, truth: dict[int, pd.Series], bounds: 
     for row, (effect, parameter) in zip(grid, rows, strict=True):
         for panel in row:
             panel.set_xlabel(f"{_symbol(effect, parameter)} estimated / true")
-            panel.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
+            panel.xaxis.set_major_locator(MaxNLocator(2, steps=[1, 2, 4, 5, 10]))
     return figure
 
 
