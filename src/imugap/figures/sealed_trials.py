@@ -57,19 +57,22 @@ def losses(curve: pd.DataFrame, table: pd.DataFrame, choices: int) -> Figure:
     left.plot(size, oracle_power(size - shift), color=ORACLE, ls=":", label=f"the same among {choices} names and axes")
     ends = curve["rate"] - curve["low"], curve["high"] - curve["rate"]
     left.errorbar(curve["size"], curve["rate"], ends, fmt="o-", ms=4, color=FOUND, label="search, 95 % interval")
-    left.set(title="all effects", xscale="log", xlabel="size [limits]", ylim=(-EDGE, 1 + EDGE))
+    left.set(title="all effects", xscale="log", xlabel="size [detection limits]", ylim=(-EDGE, 1 + EDGE))
     left.set_xticks(curve["size"])
     left.yaxis.set_major_formatter(PercentFormatter(1.0, 0))
     rows, farthest = np.arange(len(table)), 2 * curve["size"].max()
     half, low, high = (table[end].clip(size[0], farthest) for end in ("half", "low", "high"))
     right.hlines(rows, low, high, color=FOUND, lw=1.2)
-    beyond = (table["half"] > farthest).to_numpy()
-    right.plot(half[~beyond], rows[~beyond], "o", ms=3.5, color=FOUND)
-    right.plot(half[beyond], rows[beyond], ">", ms=5, color=FOUND, clip_on=False)
+    below, beyond = (table["half"] < size[0]).to_numpy(), (table["half"] > farthest).to_numpy()
+    for shown, marker in ((~below & ~beyond, "o"), (below, "<"), (beyond, ">")):
+        right.plot(half[shown], rows[shown], marker, ms=3.5, color=FOUND, clip_on=False)
     right.axvline(1.0, color=ORACLE)
     right.axvline(1 + shift, color=ORACLE, ls=":")
     right.set(
-        title="size at which one half is found", xscale="log", xlabel="size [limits]", ylim=(len(rows) - 0.3, -0.7)
+        title="size at which one half is found",
+        xscale="log",
+        xlabel="size [detection limits]",
+        ylim=(len(rows) - 0.3, -0.7),
     )
     right.set_yticks(rows, table["name"].str.replace("_", " "))
     right.set_xticks([0.5, 1, 2, 4, 8])
