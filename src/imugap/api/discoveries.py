@@ -138,6 +138,7 @@ class Discovered(Result):
         return {
             "report.json": self.found.report(),
             "model.yaml": self.model,
+            "described.yaml": self.model if found.nameless is None else found.nameless.model,
             "gaps.csv": discrepancy_table(found.discrepancies, found.unexplained),
             "candidates.csv": self.table,
             "against_start.csv": self.against_start,
@@ -147,7 +148,7 @@ class Discovered(Result):
             "surest.svg": discovery.surest(found, alpha),
             "distance.svg": discovery.distance(found),
             "drift.svg": discovery.drift(found),
-        } | ({} if found.nameless is None else {"described.yaml": found.nameless.model})
+        }
 
     def _page(self) -> "Page":
         from imugap.pages.discover import page
