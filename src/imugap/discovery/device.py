@@ -545,16 +545,19 @@ def _conclude(stage: _Described) -> Discovery:
     proposals = len(results) * len(stage.settings.catalogue)
     located = (*stage.discrepancies, *_line_discrepancies(results))
     kept = keep_undetermined(stage.known, stage.record, stage.whole)
-    start, final = (with_effects(model, kept) for model in (stage.start, stage.model(stage.device)))
+    final = with_effects(stage.model(stage.device), kept)
     at_rest = all(fit.sequence.conditions.ideal is None for fit in stage.whole.values())
     gravity = SensedGravity.of(final, stage.known, stage.settings.gravity) if at_rest else None
+
+    def without_gravity(model: ErrorModel) -> ErrorModel:
+        return model if gravity is None else gravity.taken_from(model)
+
     nameless = stage.nameless
     if nameless is not None:
-        described = with_effects(nameless.model, kept)
-        nameless = replace(nameless, model=described if gravity is None else gravity.taken_from(described))
+        nameless = replace(nameless, model=without_gravity(with_effects(nameless.model, kept)))
     return Discovery(
-        start=start if gravity is None else gravity.taken_from(start),
-        final=final if gravity is None else gravity.taken_from(final),
+        start=without_gravity(with_effects(stage.start, kept)),
+        final=without_gravity(final),
         discrepancies=(
             *stage.record.discrepancies,
             *located,

@@ -1,9 +1,9 @@
-"""Description of noise that has no name: a free spectrum and a free distribution, beside what is named.
+"""Description of noise that has no name: its spectrum, and the distribution of its single samples.
 
-What is described is not explained: the model with it is one of its own (:class:`NamelessNoise`), for simulations that
-are to be like the log. A spectrum is described by bands of flat noise, which are found by segmentation of the
-periodogram relative to the spectrum of the named effects; where that lies above the periodogram, white noise gives way.
-The distribution of single samples is described by its quantiles.
+A description explains nothing. It is in a model of its own (:class:`NamelessNoise`), which simulates logs that are like
+the measured one. A spectrum is described by bands of flat noise. They are found by segmentation of the periodogram
+relative to the spectrum of the final model; where that spectrum is above the periodogram, the density of the white
+noise is reduced. A distribution is described by its quantiles.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -16,6 +16,7 @@ from imugap.discovery.evaluation.distance import Distances, Evaluation, HeldOutC
 from imugap.discovery.evaluation.held_out import HELD_IN_SHARE, of_one_run
 from imugap.discovery.finding import Discrepancy
 from imugap.discovery.fit.axis_fit import AxisFit
+from imugap.discovery.preparation.cosine_bins import Bins
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import BandNoise, NoiseDistribution
 from imugap.effects.effect import AxisModel, Effect
@@ -24,6 +25,8 @@ from imugap.numerics.periodogram_segments import segments
 
 SPECTRAL, MARGINAL = ("allan", "spectrum", "line"), ("marginal", "extremes")
 """Views that a spectrum without a name shows in, and those of a distribution."""
+CHANCE = 3.0
+"""Gain of log-likelihood of a band over the final model, less log(n + 1) for n coefficients, that may be chance."""
 MOST_BANDS = 30
 """Largest number of bands of an axis."""
 MIN_GAIN = 0.05
@@ -71,6 +74,8 @@ def describe(
 ) -> NamelessNoise | None:
     """Describe the noise without a name of each axis where that brings simulations nearer to held-out data.
 
+    The held-out data choose the axes, but no value: each description is fitted to the part before them.
+
     Parameters
     ----------
     places
@@ -104,7 +109,7 @@ def describe(
 
 
 def _nearer(apart: Distances) -> bool:
-    """Return whether the final model is nearer than the start model, which is not within its floor."""
+    """Return whether the model with descriptions is nearer to held-out data than the final model."""
     return apart.after.value < apart.before.value
 
 
@@ -145,15 +150,16 @@ def _bands(fit: AxisFit) -> tuple[tuple[BandNoise, ...], float]:
     excess = np.array([_excess(relative[a:b], expected[a:b], gain[a:b]) for a, b in found])
     white = sum(one.density**2 for one in fit.description.noise.effects if one.white)
     taken = float(min(max(-excess.min(initial=0.0), 0.0), white))
-    step = 1 / (2 * bins.count * interval)
-    bands = []
-    for (first, stop), more in zip(found, excess, strict=True):
-        psd = more + taken
-        if psd > 0:
-            low, high = (first + 0.5) * step, (stop + 0.5) * step if stop < last else 0.5 / interval
-            low = low if first else 0.0
-            bands.append(BandNoise(float(np.sqrt(psd)), float(low + high) / 2, float(high - low)))
-    return tuple(bands), taken
+    psds = [(ends, more + taken) for ends, more in zip(found, excess, strict=True) if more + taken > 0]
+    return tuple(_band(*ends, psd, bins) for ends, psd in psds), taken
+
+
+def _band(first: int, stop: int, psd: float, bins: Bins) -> BandNoise:
+    """Return noise of a PSD [unit^2/Hz] over some cosine coefficients; the outermost ones reach to the ends."""
+    step = 1 / (2 * bins.count * bins.interval)
+    low = (first + 0.5) * step if first else 0.0
+    high = (stop + 0.5) * step if stop < bins.last else 0.5 / bins.interval
+    return BandNoise(float(np.sqrt(psd)), float(low + high) / 2, float(high - low))
 
 
 def _gain(fit: AxisFit) -> np.ndarray:
@@ -167,7 +173,7 @@ def _gain(fit: AxisFit) -> np.ndarray:
 def _excess(relative: np.ndarray, expected: np.ndarray, gain: np.ndarray) -> float:
     """Return the mean PSD ahead of the filter that a band has beyond what is expected; 0 where that is chance."""
     mean = max(float(relative.mean()), np.finfo(float).tiny)
-    if len(relative) / 2 * (mean - 1 - np.log(mean)) < np.log(len(relative) + 1) + 3:
+    if len(relative) / 2 * (mean - 1 - np.log(mean)) < np.log(len(relative) + 1) + CHANCE:
         return 0.0
     return float(np.mean((relative - 1) * expected / gain))
 

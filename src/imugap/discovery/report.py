@@ -9,6 +9,7 @@ import pandas as pd
 from imugap.discovery.device import Discovery
 from imugap.discovery.evaluation.distance import Distances
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval, Unnamed
+from imugap.discovery.nameless_noise import NamelessNoise
 from imugap.discovery.posterior import IN_WORDS, MIN_SHARE, NOT_SEEN, ambiguity_set, percent
 from imugap.integrity.regular import counted
 
@@ -39,14 +40,16 @@ def to_mapping(found: Discovery, logs: Sequence[dict], tests: Sequence[dict] = (
     for key, name in (("distance", "distribution"), ("navigation_distance", "navigation")):
         apart = found.distances.get(name)
         report[key] = None if apart is None else _distances(apart)
-    nameless = found.nameless
-    report["nameless_noise"] = (
-        None
-        if nameless is None
-        else {"model": nameless.model.to_mapping(), "axes": list(nameless.effects)}
-        | {"distance": _distances(nameless.distances)}
-    )
+    report["nameless_noise"] = None if found.nameless is None else _nameless(found.nameless)
     return report
+
+
+def _nameless(nameless: NamelessNoise) -> dict:
+    return {
+        "model": nameless.model.to_mapping(),
+        "axes": list(nameless.effects),
+        "distance": _distances(nameless.distances),
+    }
 
 
 def _distances(apart: Distances) -> dict[str, dict]:

@@ -84,9 +84,11 @@ class Description:
 
     def with_effect(self, index: int, effect: Effect) -> "Description":
         """Return the description with another effect, or other values of it, in the entry at ``index``."""
-        entries = list(self.entries)
-        entries[index] = replace(entries[index], effect=effect)
-        return Description(tuple(entries))
+        return self.with_entry(index, replace(self.entries[index], effect=effect))
+
+    def with_entry(self, index: int, entry: Entry) -> "Description":
+        """Return the description with another entry at ``index``."""
+        return Description((*self.entries[:index], entry, *self.entries[index:][1:]))
 
     def exchanging(self, role: Role, entries: Iterable[Entry] = ()) -> "Description":
         """Return the description with other entries of a role, by default none."""

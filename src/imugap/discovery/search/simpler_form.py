@@ -1,4 +1,4 @@
-"""Effects of which the log does not tell the parameter that makes them what they are, in their simpler form."""
+"""Replacement of an effect by its simpler form where the interval of an essential parameter holds zero."""
 
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.description import Entry
@@ -16,13 +16,12 @@ def lost_essential(candidate: Candidate) -> str | None:
 
 
 def simplified(search: Search, found: AxisFit) -> AxisFit:
-    """Return the fit with the simpler form of each added effect that has lost an essential parameter."""
+    """Return the fit with the simpler form of each added effect whose essential parameter may be zero."""
     time = found.sequence.conditions.time
     middle = float(time[0] + time[-1]) / 2
     for one in search.added(found):
         simpler = one.effect.simpler(middle)
         if simpler is not None and lost_essential(one) is not None:
-            entries = list(found.description.entries)
-            entries[one.index] = Entry(simpler.effect, simpler.free)
-            return simplified(search, search.fitted(found.sequence, type(found.description)(tuple(entries))))
+            description = found.description.with_entry(one.index, Entry(simpler.effect, simpler.free))
+            return simplified(search, search.fitted(found.sequence, description))
     return found
