@@ -211,20 +211,22 @@ def test_control_is_worth_more_than_none_and_less_than_an_oracle():
     middle = drives()["horizontal_95"].mean()["contaminated"]
     for scheme in ("remove", "robust", "gated", "reset"):
         assert middle["oracle"] < middle[scheme] < middle["none"]
-    assert 0.7 * middle["oracle"] < middle["hindsight"] < 1.3 * middle["oracle"]
-    assert middle["hindsight"] < 0.6 * middle["reset"]
+    assert 0.7 * middle["oracle"] < middle["separation"] < 1.3 * middle["oracle"]
+    assert middle["separation"] < 0.6 * middle["reset"]
 
 
 def test_wheels_help_most_where_fixes_are_lacking():
     middle = drives()["horizontal_95"].mean()
-    gains = {case: middle[case, "hindsight, wheels"] / middle[case, "hindsight"] for case in ("clean", "outage alone")}
+    gains = {
+        case: middle[case, "separation, wheels"] / middle[case, "separation"] for case in ("clean", "outage alone")
+    }
     assert gains["outage alone"] < gains["clean"] < 1.0
 
 
-def test_hindsight_doubts_where_there_is_cause_and_nowhere_else():
+def test_separation_doubts_where_there_is_cause_and_nowhere_else():
     doubts, resets = (drives()[name].mean() for name in ("doubts", "resets"))
-    assert doubts["clean", "hindsight"] < 0.5 < doubts["contaminated", "hindsight"]
-    assert resets["lost", "hindsight"] > 0.5 > resets["lost", "gated"]
+    assert doubts["clean", "separation"] < 0.5 < doubts["contaminated", "separation"]
+    assert resets["lost", "separation"] > 0.5 > resets["lost", "gated"]
 
 
 def test_control_costs_little_where_nothing_is_wrong():

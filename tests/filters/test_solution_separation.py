@@ -1,4 +1,4 @@
-"""Errors of position that stay: what a filter with hindsight doubts, what it keeps, and what it costs."""
+"""Errors of position that stay: what a filter with solution separation doubts, what it keeps, and what it costs."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -30,7 +30,7 @@ ROOT = Path(__file__).parents[2]
 SEED, RUNS, BEGIN = 81, 40, 120.0
 RECIPE = ROOT / "data" / "drive.yaml"
 ONLY = replace(NO_CONTROL, separation_s=30.0)
-"""Hindsight and no other control."""
+"""Solution separation and no other control."""
 
 
 def drive(lap, assumptions, run, quality, fixes=None, smooth=False):
@@ -90,7 +90,7 @@ def test_good_drives_are_nearly_untouched(lap, assumptions):
     """Seldom an offset, by fewer openings than the rate of single fixes would give; errors as without."""
     opened, fixes, sizes = 0, 0, []
     for run in range(RUNS):
-        whole, plain = (drive(lap, assumptions, run, SCHEMES[name]) for name in ("hindsight", "reset"))
+        whole, plain = (drive(lap, assumptions, run, SCHEMES[name]) for name in ("separation", "reset"))
         opened += (whole.record.offset_event == 1).sum() + (whole.record.offset_event == 2).sum()
         fixes += len(whole.fix_time)
         sizes.append([np.linalg.norm(off(lap, one, 250.0)[0]) for one in (whole, plain)])
@@ -107,7 +107,7 @@ def test_a_stretch_leaves_the_position_within_what_it_says(lap, assumptions, len
     for run in range(RUNS):
         event = FaultEvent(STRETCH, BEGIN, BEGIN + length, sideways(20.0, "stretch", run))
         fixes = spoilt(lap, run, event)
-        one = drive(lap, assumptions, run, SCHEMES["hindsight"], fixes)
+        one = drive(lap, assumptions, run, SCHEMES["separation"], fixes)
         during.append(off(lap, one, BEGIN + length))
         after.append(off(lap, one, BEGIN + length + 10))
         thrown.append(off(lap, drive(lap, assumptions, run, SCHEMES["reset"], fixes), BEGIN + length))
@@ -128,7 +128,7 @@ def test_velocities_that_are_worse_than_they_say_do_not_deceive_it(lap, assumpti
     for run in range(RUNS):
         event = FaultEvent(STRETCH, BEGIN, BEGIN + 50, sideways(50.0, "velocities", run))
         fixes = spoilt(lap, run, event, velocity_per_s=0.02)
-        one = drive(lap, assumptions, run, SCHEMES["hindsight"], fixes)
+        one = drive(lap, assumptions, run, SCHEMES["separation"], fixes)
         errors.append(off(lap, one, BEGIN + 50))
     low, high = nees_band(2, RUNS, 0.9999)
     assert low < squared(errors) < 1.5 * high
@@ -141,7 +141,7 @@ def test_a_ramp_is_seen_by_looking_back(lap, assumptions):
     for run in range(RUNS):
         event = FaultEvent(RAMP, BEGIN, BEGIN + 50, sideways(0.3, "ramp", run))
         fixes = spoilt(lap, run, event)
-        one = drive(lap, assumptions, run, SCHEMES["hindsight"], fixes)
+        one = drive(lap, assumptions, run, SCHEMES["separation"], fixes)
         times = one.fix_time[one.record.offset_event == 2]
         seen += ((times > BEGIN) & (times < BEGIN + 50)).any()
         errors.append(np.linalg.norm(off(lap, one, BEGIN + 50)[0]))
@@ -190,7 +190,7 @@ def test_a_closed_offset_gives_back_all_that_the_fixes_had_told(lap, assumptions
 
 def test_what_it_does_is_logged_with_statistic_and_threshold(lap, assumptions):
     event = FaultEvent(STRETCH, BEGIN, BEGIN + 20, (30.0, 0.0, 0.0))
-    quality = SCHEMES["hindsight"]
+    quality = SCHEMES["separation"]
     one = drive(lap, assumptions, 4, quality, spoilt(lap, 4, event))
     found = one.events[one.events["component"] == "position"]
     inside = found[(found["time"] >= BEGIN) & (found["time"] < BEGIN + 30)]
@@ -204,15 +204,15 @@ def test_what_it_does_is_logged_with_statistic_and_threshold(lap, assumptions):
 
 @pytest.mark.slow
 def test_the_smoother_knows_what_the_filter_found_out(lap, assumptions):
-    """With a stretch and a ramp it is as right as with good fixes, nearly; without hindsight it is not."""
-    sizes = {"good": [], "hindsight": [], "reset": []}
+    """With a stretch and a ramp it is as right as with good fixes, nearly; without solution separation it is not."""
+    sizes = {"good": [], "separation": [], "reset": []}
     for run in range(10):
         events = (
             FaultEvent(STRETCH, 80.0, 120.0, sideways(30.0, "both", run)),
             FaultEvent(RAMP, 170.0, 220.0, (0.4, 0.0, 0.0)),
         )
         bad = spoilt(lap, run, *events)
-        for name, given in (("good", None), ("hindsight", bad), ("reset", bad)):
+        for name, given in (("good", None), ("separation", bad), ("reset", bad)):
             one = drive(lap, assumptions, run, SCHEMES["reset" if name == "good" else name], given, smooth=True)
             assert (one.history.variances[:, :21] > 0).all()
             assert np.isfinite(one.history.navigation).all()

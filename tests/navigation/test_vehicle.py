@@ -171,8 +171,8 @@ def test_gross_errors_are_met_as_each_scheme_says(lap, assumptions, scheme):
         assert share == 1
     else:
         assert thrown < 1
-        assert (share == 0) if scheme in ("remove", "hindsight") else (0 < share < 0.05)
-        assert (events["component"] == ("position" if scheme == "hindsight" else "north")).any()
+        assert (share == 0) if scheme in ("remove", "separation") else (0 < share < 0.05)
+        assert (events["component"] == ("position" if scheme == "separation" else "north")).any()
 
 
 def test_a_soft_reset_brings_back_a_filter_that_is_lost(lap, assumptions):

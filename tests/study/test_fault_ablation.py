@@ -94,19 +94,19 @@ def test_control_helps_and_an_oracle_helps_most(found):
 
 @pytest.mark.long
 @pytest.mark.slow
-def test_hindsight_is_for_errors_that_stay_and_comes_near_the_oracle(found):
+def test_separation_is_for_errors_that_stay_and_comes_near_the_oracle(found):
     """It leaves outliers and outages as they are, and the covariance goes on telling how far the filter is off."""
     worse, oracle = (middle(found, CONTAMINATED, name, "horizontal_95") for name in ("reset", ORACLE))
-    near = middle(found, CONTAMINATED, "hindsight", "horizontal_95")
+    near = middle(found, CONTAMINATED, "separation", "horizontal_95")
     assert 0.6 * oracle < near < 1.3 * oracle
     assert near < 0.6 * worse
     for kind, low, high in ((OUTLIER, 0.95, 1.05), (OUTAGE, 0.9, 1.1), (STRETCH, 0.0, 0.7), (RAMP, 0.0, 0.9)):
-        both = [middle(found, ALONE[kind], name, "horizontal_95") for name in ("hindsight", "reset")]
+        both = [middle(found, ALONE[kind], name, "horizontal_95") for name in ("separation", "reset")]
         assert low < both[0] / both[1] < high
-    assert middle(found, CONTAMINATED, "hindsight", "nees") < 0.5 * middle(found, CONTAMINATED, "reset", "nees")
+    assert middle(found, CONTAMINATED, "separation", "nees") < 0.5 * middle(found, CONTAMINATED, "reset", "nees")
     low, high = nees_band(9, RUNS * 10, 0.9999)
-    assert low / 9 < middle(found, CONTAMINATED, "hindsight", "nees") < 1.5 * high / 9
-    assert middle(found, CLEAN, "hindsight", "doubts") < 0.5 < middle(found, CONTAMINATED, "hindsight", "doubts")
+    assert low / 9 < middle(found, CONTAMINATED, "separation", "nees") < 1.5 * high / 9
+    assert middle(found, CLEAN, "separation", "doubts") < 0.5 < middle(found, CONTAMINATED, "separation", "doubts")
 
 
 @pytest.mark.long
@@ -128,8 +128,8 @@ def test_wheels_hold_the_filter_where_fixes_do_not(found):
 @pytest.mark.slow
 def test_a_drive_that_begins_in_a_stretch_needs_a_soft_reset(found):
     assert middle(found, LOST, "gated", "resets") == 0
-    assert 0.5 < middle(found, LOST, "hindsight", "resets") < 2
-    assert middle(found, CLEAN, "hindsight", "resets") == 0
+    assert 0.5 < middle(found, LOST, "separation", "resets") < 2
+    assert middle(found, CLEAN, "separation", "resets") == 0
 
 
 @pytest.mark.long

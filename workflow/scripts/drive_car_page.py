@@ -61,7 +61,7 @@ def numbers(outages, scores, tuning):
         "wheels_std_m_per_s": f"{WHEELS_STD:g}",
         "length_s": f"{outages['since'].max():.0f}",
         "factors": {name: tables.number(tuning.iloc[-1][name], 2) for name in TUNED},
-        "doubts": int(scores[scores["scheme"] == "hindsight"]["doubts"].sum()),
+        "doubts": int(scores[scores["scheme"] == "separation"]["doubts"].sum()),
         "draws": int(scores["draw"].nunique()),
         "ratio": {
             name: tables.number(middle.loc[name, "contaminated"] / middle.loc[name, "clean"]) for name in SHOWN

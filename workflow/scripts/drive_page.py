@@ -48,7 +48,7 @@ OF = {ORACLE: PLAIN, WHEELS[ORACLE]: WHEELS[PLAIN]}
 """Whose clean run stands beside a scheme that has none."""
 GAINS = {WHOLE: CONTAMINATED, SMOOTHED: CONTAMINATED, ORACLE: CONTAMINATED, PLAIN: CLEAN}
 """Schemes that run with wheels too, and the case in which they are compared."""
-DRAWN = ("none", "robust", "hindsight", WHEELS[WHOLE], SMOOTHED, ORACLE)
+DRAWN = ("none", "robust", "separation", WHEELS[WHOLE], SMOOTHED, ORACLE)
 """Schemes whose errors are drawn over time."""
 BAR, SHARE = 1.3, 0.95
 """What the contaminated run may be over the clean one; seeds in which the gate has to help."""
@@ -168,14 +168,14 @@ def numbers(scores, recovery, recipe, seed, runs):
         "nees": {name: tables.number(clean["nees"].mean()[name]) for name in (PLAIN, WHEELS[PLAIN])},
         "reset_s": f"{SCHEMES['reset'].reset_s:g}",
         "limit_m": tables.number(recovery["limit"].iloc[0]),
-        "hindsight_s": f"{SCHEMES['hindsight'].separation_s:g}",
+        "separation_s": f"{SCHEMES['separation'].separation_s:g}",
         "doubts": {
             case: tables.number(one["doubts"].mean(), 2)
-            for case, one in scores[scores["scheme"] == "hindsight"].groupby("case")
+            for case, one in scores[scores["scheme"] == "separation"].groupby("case")
         },
         "resets": {
             scheme: {case: int(one["resets"].sum()) for case, one in scores[scores["scheme"] == scheme].groupby("case")}
-            for scheme in ("reset", "hindsight")
+            for scheme in ("reset", "separation")
         },
     }
 
@@ -190,7 +190,7 @@ with job(snakemake) as (source, params, output):
     found = numbers(scores, recovery, recipe, params.seed, params.runs)
     save(
         output,
-        map=fault_ablation.drive(study, shown["hindsight"], tracks),
+        map=fault_ablation.drive(study, shown["separation"], tracks),
         sensors=fault_ablation.sensors({name: shown[name] for name in SCHEMES}),
         runs=fault_ablation.schemes(scores),
         schemes=(scores, schemes_page(scores, recovery)),

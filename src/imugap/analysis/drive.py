@@ -135,7 +135,7 @@ class DriveSettings:
         )
         control = QualityControl(
             component=quality["component_sigma"],
-            separation_s=quality["hindsight_s"],
+            separation_s=quality["separation_s"],
             **{name: quality[name] for name in ("robust", "steepness", "false_alarm", "gated", "reset_s")},
         )
         course, heading, tilt = (np.radians(start[f"{name}_std_deg"]) for name in ("course", "heading", "tilt"))

@@ -15,12 +15,12 @@ from imugap.units import from_si
 
 TITLES = {
     "none": "no control", "gate": "gate alone", "remove": "test and remove", "robust": "weigh down",
-    "gated": "weigh down, gate", "reset": "and soft reset", "hindsight": "and solution separation",
+    "gated": "weigh down, gate", "reset": "and soft reset", "separation": "and solution separation",
     SMOOTHED: "all, smoothed", ORACLE: "bad fixes known", WHEELS[WHOLE]: "all, wheels",
     WHEELS[SMOOTHED]: "all, wheels, smoothed", WHEELS[ORACLE]: "bad fixes known, wheels",
 }  # fmt: skip
 COLOURS = {"none": "#999999", "gate": "#CC79A7", "remove": "#E69F00", "robust": "#56B4E9", "gated": "#0072B2",
-           "reset": "#009E73", "hindsight": "#D55E00", SMOOTHED: "#8C564B", ORACLE: "black",
+           "reset": "#009E73", "separation": "#D55E00", SMOOTHED: "#8C564B", ORACLE: "black",
            WHEELS[WHOLE]: "#882255", WHEELS[SMOOTHED]: "#44AA99", WHEELS[ORACLE]: "#555555"}  # fmt: skip
 SHADES = {STRETCH: "#f4cccc", RAMP: "#fce5cd", OUTAGE: "#dddddd"}
 EVERY = 20

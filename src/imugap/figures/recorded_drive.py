@@ -10,7 +10,7 @@ from imugap.kinematics.strapdown import ATTITUDE
 from imugap.navigation.vehicle import DriveSolution
 from imugap.study.fault_ablation import SMOOTHED, WHEELS, WHOLE
 
-GROUPS = (("none", "gate", "remove"), ("robust", "gated", "reset", "hindsight"),
+GROUPS = (("none", "gate", "remove"), ("robust", "gated", "reset", "separation"),
           (WHEELS[WHOLE], SMOOTHED, WHEELS[SMOOTHED]))  # fmt: skip
 """Schemes that share a panel."""
 MODELS = {"rest": ("model of the rest", "#D55E00"), "tuned": ("tuned model", "#0072B2"),

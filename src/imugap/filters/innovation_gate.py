@@ -37,7 +37,7 @@ from imugap.numerics.rotation import kernel
 RESET_SIGMA = 5.0
 """Limit of a sensor-error estimate at a soft reset, in its initial standard deviations; beyond it restarts at zero."""
 REMOVED, WEIGHED, FAILED, RESET = "removed", "weighed down", "global test failed", "soft reset"
-SET_ASIDE, OPENED, SEPARATED, CLOSED = "set aside", "offset opened", "offset opened in hindsight", "offset closed"
+SET_ASIDE, OPENED, SEPARATED, CLOSED = "set aside", "offset opened", "offset opened by separation", "offset closed"
 """Names of events."""
 ACCEPTED, EXCLUDED, RESTARTED, HELD = range(4)
 """Use of a position: accepted, excluded, first one of a new offset, used with the present offset."""
@@ -116,7 +116,7 @@ SCHEMES = {
     "robust": replace(NO_CONTROL, component=3.0),
     "gated": replace(NO_CONTROL, component=3.0, gated=True),
     "reset": QualityControl(separation_s=None),
-    "hindsight": QualityControl(),
+    "separation": QualityControl(),
 }
 """No control; gated feedback alone; removal; weighting; weighting with gated feedback; soft reset, as in the source;
 solution separation."""

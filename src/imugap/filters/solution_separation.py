@@ -10,7 +10,7 @@ set aside
 offset opened
     At a second such fix in a row the offset restarts as a constant of very large variance. From then on positions
     observe the motion of the vehicle, and not its position.
-offset opened in hindsight
+offset opened by separation
     Sub-filters run beside the main filter: copies with an open offset, started one after the other, that have not used
     absolute positions since. Without faults the difference of the offsets of a sub-filter and of the main filter is
     zero-mean, and its covariance is the difference of their covariances (the main filter uses more information). If

@@ -26,7 +26,7 @@ ALONE = {kind: f"{kind} alone" for kind in (OUTLIER, STRETCH, RAMP, OUTAGE)}
 """Further cases: gross errors of one kind."""
 ORACLE, SMOOTHED = "oracle", "smoothed"
 """Schemes: true standard deviations of the gross errors, as from a perfect test; and the smoother with all control."""
-PLAIN, WHOLE = "none", "hindsight"
+PLAIN, WHOLE = "none", "separation"
 """Schemes without control, and with all of it."""
 WHEELS = {name: f"{name}, wheels" for name in (PLAIN, WHOLE, SMOOTHED, ORACLE)}
 """Schemes with the constraint of the rear axle; the one without control runs on good fixes only."""
