@@ -2,20 +2,22 @@ import pandas as pd
 import pytest
 
 from imugap.study.claims import of_walk, reliability
+from imugap.study.rankings import share_interval
 
 
 @pytest.mark.parametrize(
-    ("shares", "verdict"),
+    ("shares", "tables", "verdict"),
     [
-        ((0.95, 1.0, 0.97), "reliable"),
-        ((0.80, 0.92, 1.0), "likely, not reliable"),
-        ((0.50, 0.99, 1.0), "depends on the draw"),
-        ((0.36, 0.27, 0.72), "depends on the draw"),
-        ((0.36, 0.27, 0.40), "unlikely"),
+        ((1.0, 1.0, 1.0), 40, "reliable"),
+        ((1.0, 1.0, 1.0), 4, "not decided"),
+        ((0.80, 0.92, 1.0), 40, "likely, not shown to be reliable"),
+        ((0.56, 0.94, 0.97), 40, "not decided"),
+        ((0.36, 0.27, 0.72), 40, "not decided"),
+        ((0.30, 0.27, 0.20), 40, "unlikely"),
     ],
 )
-def test_shares_of_tables_are_judged_by_their_ends(shares, verdict):
-    assert reliability(pd.Series(shares)) == verdict
+def test_shares_of_tables_are_judged_by_their_intervals(shares, tables, verdict):
+    assert reliability([share_interval(share, tables) for share in shares]) == verdict
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,9 @@
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import binomtest
 
-from imugap.study.rankings import CASE, DRAWS, first_places, interval
+from imugap.study.rankings import CASE, DRAWS, first_places, interval, share_interval
 
 LEVELS = {"start": ["raw", "calibrated"], "horizon": [10, 60, 300], "quantity": ["east", "north"]}
 
@@ -48,3 +49,13 @@ def test_each_case_has_one_first_place_in_every_draw():
     assert (totals == 6).all()
     assert len(totals) == 2 * 2 * (DRAWS + 1)
     assert set(CASE) == set(LEVELS)
+
+
+@pytest.mark.parametrize("hits", [0, 1, 17, 40])
+def test_the_share_of_whole_tables_has_the_exact_binomial_interval(hits):
+    assert share_interval(hits / 40, 40) == pytest.approx(tuple(binomtest(hits, 40).proportion_ci(0.95, "exact")))
+
+
+def test_the_interval_of_a_share_between_two_counts_lies_between_theirs():
+    (lower, upper), middle = (share_interval(hits / 40, 40) for hits in (20, 21)), share_interval(20.5 / 40, 40)
+    assert all(low < one < high for low, one, high in zip(lower, middle, upper, strict=True))

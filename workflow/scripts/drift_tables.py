@@ -8,7 +8,7 @@ from imugap.figures.static import TITLES, titled
 from imugap.interchange.from_indices import SOURCE, bounded
 from imugap.kinematics.free_inertial import QUANTITIES
 from imugap.stream import stream
-from imugap.study.rankings import first_places, interval
+from imugap.study.rankings import first_places, interval, share_interval
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
@@ -38,7 +38,7 @@ def printed(table_2):
 
 
 def five_trials_page(data, titles):
-    """Lay out as the source's table 2: a row per model, absolute and relative error per quantity; runs 1 and all."""
+    """Lay out as the published table 2: a row per model, absolute and relative error per quantity; runs 1 and all."""
     data = data[data["runs"].isin(["1", "all", "He et al."])]
     for (runs, contender), group in data.groupby(["runs", "contender"], sort=False):
         row = {"runs": runs, "model": (TITLES if runs == "He et al." else titles)[contender]}
@@ -67,7 +67,10 @@ def distribution_page(scores, titles):
 
 
 def probability_of_first(errors, count, seed):
-    """Yield how often a table of ``count`` trials on the first run ranks each of the source's methods first."""
+    """Yield how often a table of ``count`` trials on the first run ranks each of the published methods first.
+
+    ``tables`` is how many such tables the trials make without sharing one.
+    """
     first = errors[(errors["run"] == 0) & errors["contender"].isin(SOURCE)]
     for (start, horizon, quantity), group in first.groupby(["start", "horizon", "quantity"], sort=False):
         rng = stream(seed, "five-trial tables", start, horizon, quantity)
@@ -75,7 +78,8 @@ def probability_of_first(errors, count, seed):
         picked = rng.integers(values.shape[1], size=(len(SOURCE), DRAWS, count))
         means = np.array([value[pick].mean(axis=1) for value, pick in zip(values, picked, strict=True)])
         share = np.bincount(means.argmin(axis=0), minlength=len(SOURCE)) / DRAWS
-        yield {"start": start, "horizon": horizon, "quantity": quantity, **dict(zip(SOURCE, share, strict=True))}
+        shares = dict(zip(SOURCE, share, strict=True))
+        yield {"start": start, "horizon": horizon, "quantity": quantity, **shares, "tables": values.shape[1] // count}
 
 
 def ranking_page(scores, probabilities, titles):
@@ -125,7 +129,10 @@ def numbers(scores, at_table, probabilities, firsts, titles, params):
     return {
         "table_horizon_s": params.table_horizon_s,
         "trials": params.published_trials,
-        "restoration_first_percent": {row.quantity: f"{100 * row.restoration:.0f}" for row in at.itertuples()},
+        "restoration_first_percent": {
+            row.quantity: tables.share(row.restoration, share_interval(row.restoration, row.tables))
+            for row in at.itertuples()
+        },
         "restoration_first_range_percent": {
             start: [f"{100 * end:.0f}" for end in (share.min(), share.max())]
             for start, share in probabilities.groupby("start", sort=False)["restoration"]

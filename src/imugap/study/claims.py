@@ -1,35 +1,36 @@
 """Published claims of He et al. (2023) against the results of the study, each with the rule of its verdict."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
 from imugap.interchange.from_indices import SOURCE
 from imugap.kinematics.free_inertial import QUANTITIES
 from imugap.study import verdicts
+from imugap.study.rankings import share_interval
 from imugap.workflow import tables
 
-RELIABLE, LIKELY = 0.95, 0.5
-"""Share of five-trial tables from which on a result is called reliable, or likely."""
+RELIABLE, LIKELY = 0.9, 0.5
+"""Share of five-trial tables above which a result is called reliable, or likely."""
 ORDER_OF_MAGNITUDE = 10.0
 CLEARLY_SMALLER = 0.95
 """Ratio of two median errors below which the first is called smaller."""
 
 
-def reliability(shares: pd.Series) -> str:
-    """Judge the shares of five-trial tables that show a result, one for each quantity."""
-    if shares.min() >= RELIABLE:
+def reliability(intervals: Sequence[verdicts.Interval]) -> str:
+    """Judge the shares of five-trial tables that show a result by their 95 % intervals, one for each quantity."""
+    if all(verdicts.side(one, RELIABLE) > 0 for one in intervals):
         return "reliable"
-    if shares.min() > LIKELY:
-        return "likely, not reliable"
-    if shares.max() < LIKELY:
+    if all(verdicts.side(one, LIKELY) > 0 for one in intervals):
+        return "likely, not shown to be reliable"
+    if all(verdicts.side(one, LIKELY) < 0 for one in intervals):
         return "unlikely"
-    return "depends on the draw"
+    return "not decided"
 
 
 RELIABILITY = (
-    f"reliable: ≥ {100 * RELIABLE:.0f} % in all three; likely: > {100 * LIKELY:.0f} % in all three; "
-    f"unlikely: < {100 * LIKELY:.0f} % in all three; else it depends on the draw"
+    f"by the 95 % intervals of all three: reliable above {100 * RELIABLE:.0f} %, likely above {100 * LIKELY:.0f} %, "
+    f"unlikely below {100 * LIKELY:.0f} %; else not decided"
 )
 
 
@@ -69,7 +70,9 @@ def of_device(
 
     ``titles`` names the models for the reader.
     """
-    at = ranking[(ranking["start"] == "raw") & (ranking["horizon"] == horizon)].set_index("quantity")["restoration"]
+    at = ranking[(ranking["start"] == "raw") & (ranking["horizon"] == horizon)].set_index("quantity")
+    shares = {name: at.loc[name, "restoration"] for name in QUANTITIES}
+    intervals = {name: share_interval(share, int(at.loc[name, "tables"])) for name, share in shares.items()}
     raw = scores[(scores["start"] == "raw") & (scores["horizon"] == horizon)]
     gains, wins = gain(five), smallest(five)
     leaders, proper = best(raw, "median_e_abs"), best(raw, "crps")
@@ -85,12 +88,12 @@ def of_device(
             "verdict": "seen in this draw" if wins == 6 else "not seen in this draw",
         },
         {
-            "claim": "a five-trial table shows it (share of tables with restoration first: east / north / heading)",
+            "claim": "a five-trial table shows it (share of tables with restoration first [%])",
             "published": "—",
             "device": device,
-            "here": " / ".join(f"{100 * at[quantity]:.0f} %" for quantity in QUANTITIES),
+            "here": " / ".join(tables.share(shares[name], intervals[name]) for name in QUANTITIES),
             "rule": RELIABILITY,
-            "verdict": reliability(at),
+            "verdict": reliability(list(intervals.values())),
         },
         {
             "claim": "its error is an order of magnitude smaller (best of the others over restoration)",

@@ -4,10 +4,14 @@ The navigation lengths of a run are nested, and all cases share the same few run
 no binomial interval applies to a count of first places. The runs are resampled instead, the same for all models and
 cases, and the first places are counted anew (B. Efron, R. J. Tibshirani, An Introduction to the Bootstrap, 1993,
 section 13.3).
+
+The share of published tables, of a few trials each, that put a model first is another matter: such tables are
+independent where no two of them have a trial in common, and their share has a binomial interval.
 """
 
 import numpy as np
 import pandas as pd
+from scipy.special import betaincinv
 
 CASE = ("start", "horizon", "quantity")
 """Columns that identify a case."""
@@ -57,3 +61,22 @@ def interval(counts: pd.DataFrame) -> tuple[int, int, int]:
     total = counts.groupby("draw")["count"].sum()
     low, high = total.drop(0).quantile([0.025, 0.975], interpolation="nearest")
     return int(total[0]), int(low), int(high)
+
+
+def share_interval(share: float, tables: int) -> tuple[float, float]:
+    """Return the exact 95 % interval of a share of independent tables (Clopper and Pearson 1934).
+
+    The share may be the mean over all tables that the trials make, also those with trials in common. Its variance is
+    then at most that over independent tables (Hoeffding 1948, section 5), and the interval is no narrower than needed.
+
+    Parameters
+    ----------
+    share
+        Share of the tables, between 0 and 1.
+    tables
+        Number of tables, no two of which have a trial in common.
+    """
+    hits = share * tables
+    low = float(betaincinv(hits, tables - hits + 1, 0.025)) if hits > 0 else 0.0
+    high = float(betaincinv(hits + 1, tables - hits, 0.975)) if hits < tables else 1.0
+    return low, high

@@ -83,6 +83,11 @@ def interval(value: float, low: float, high: float) -> str:
     return f"{fixed(value, decimals)} [{fixed(low, decimals)}, {fixed(high, decimals)}]"
 
 
+def share(value: float, interval: tuple[float, float]) -> str:
+    """Return a share with its interval, in whole per cent without the sign: ``36 [22, 53]``."""
+    return f"{100 * value:.0f} [{100 * interval[0]:.0f}, {100 * interval[1]:.0f}]"
+
+
 def parameter(value: float, low: float | None, high: float | None, unit: str = "1") -> str:
     """Return a parameter with its interval and unit; [—] where an end is not known.
 
