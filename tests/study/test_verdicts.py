@@ -70,3 +70,11 @@ def test_a_distance_is_also_judged_against_the_floor(before, after, said):
     found = verdicts.distance(*(dict(zip(ENDS, one, strict=True)) for one in (before, after)), floor)
     assert found["verdict"] == said
     assert said.startswith(found["change"])
+
+
+@pytest.mark.parametrize(
+    ("interval", "said"),
+    [((1.2, 3.0), "too certain"), ((0.6, 1.4), "not distinguished from consistent"), ((0.02, 0.9), "too careful")],
+)
+def test_a_filter_is_called_too_certain_or_too_careful_only_where_its_interval_leaves_out_one(interval, said):
+    assert verdicts.consistency(interval) == said

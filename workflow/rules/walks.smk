@@ -223,6 +223,7 @@ rule walk_limits_page:
     log:
         "logs/walk_limits_page.log",
     params:
+        seed=config["seed"],
         code=library("walk_limits_page"),
     script:
         "../scripts/walk_limits_page.py"

@@ -12,6 +12,8 @@ from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 
+SQUARES = {"nees": ("NEES, position", 2), "heading_nees": ("NEES, heading", 1)}
+"""Normalised squared errors of the end: title and degrees of freedom."""
 QUANTITIES = {"position": ("position error at the end", "m"), "heading": ("heading error at the end", "°")}
 ROWS = {"position": "end_position_error", "heading": "end_heading_error"}
 """Rows of the printed table."""
@@ -79,10 +81,10 @@ def inside_of(ends, seed):
     """Yield what each model is worth inside the filter: mean errors, and what the filter believes of them."""
     for name, one in ends.groupby("contender", sort=False):
         row = {"contender": name}
-        for quantity in QUANTITIES:
-            found = bootstrap.mean(one[quantity].to_numpy(), stream(seed, "inside", name, quantity), block=1)
-            row |= {quantity: found.value, f"{quantity}_low": found.low, f"{quantity}_high": found.high}
-        row |= {"nees": one["nees"].mean() / 2, "heading_nees": one["heading_nees"].mean()}
+        degrees = dict.fromkeys(QUANTITIES, 1) | {square: degree for square, (_, degree) in SQUARES.items()}
+        for key, degree in degrees.items():
+            found = bootstrap.mean(one[key].to_numpy() / degree, stream(seed, "inside", name, key), block=1)
+            row |= {key: found.value, f"{key}_low": found.low, f"{key}_high": found.high}
         yield row | {"inside": (one["nees"] < -2 * np.log(1 - ELLIPSE)).mean()}
 
 
@@ -92,7 +94,8 @@ def inside_page(data):
         row = {"model in the filter": pedestrian.TITLES[one["contender"]]}
         for quantity, (_, unit) in QUANTITIES.items():
             row[f"{quantity} [{unit}]"] = tables.interval(*(one[quantity + end] for end in ENDS))
-        row |= {"NEES, position": tables.number(one["nees"], 2), "NEES, heading": tables.number(one["heading_nees"], 2)}
+        for square, (title, _) in SQUARES.items():
+            row[title] = tables.interval(*(one[square + end] for end in ENDS))
         yield row | {f"ends in the {ELLIPSE:.0%} ellipse": f"{100 * one['inside']:.0f} %"}
 
 
@@ -117,7 +120,12 @@ def numbers(trials, devices, inside, walk, table3):
         for name in devices.index
     }
     filtered = {
-        name: {key: tables.number(held.loc[name, key], 2) for key in (*QUANTITIES, "nees", "heading_nees")}
+        name: {key: tables.number(held.loc[name, key], 2) for key in QUANTITIES}
+        | {key: tables.interval(*held.loc[name, [key + end for end in ENDS]]) for key in SQUARES}
+        | {
+            f"{key}_verdict": verdicts.consistency(tuple(held.loc[name, [key + end for end in ENDS[1:]]]))
+            for key in SQUARES
+        }
         for name in held.index
     }
     return {

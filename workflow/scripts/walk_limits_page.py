@@ -7,6 +7,9 @@ import pandas as pd
 
 from imu_benchmark.scores import rate
 from imugap.figures import pedestrian, style
+from imugap.numerics import block_bootstrap as bootstrap
+from imugap.stream import stream
+from imugap.study import verdicts
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
@@ -34,6 +37,10 @@ SETTINGS = {
 """What is chosen: its name, and its usual value."""
 LEFT_OUT = ["setting", "dataset", "chosen", "with_chosen", "usual", "with_usual", "best", "with_best"]
 """Columns of what others choose for a set: values, and the median end errors of the set with them [%]."""
+ENDS = "", "_low", "_high"
+"""Endings of the names of a mean and of its interval."""
+SQUARES = {"nees": ("NEES, position", 2), "heading_nees": ("NEES, heading", 1)}
+"""Normalised squared errors of the end: title and degrees of freedom."""
 LEVELS = (0.9, 0.99)
 IN_MOTION = ("scale_factor", "misalignment", "g_sensitivity", "time_offset")
 """Errors that a log at rest does not show."""
@@ -99,15 +106,18 @@ def budget_page(found, real):
     yield ends
 
 
-def consistency(ends, real):
-    """Yield the share of ends in the ellipses with binomial intervals, and the mean NEES."""
+def consistency(ends, real, seed):
+    """Yield the share of ends in the ellipses with binomial intervals, and the mean NEES with bootstrap intervals."""
     groups = dict(list(ends.groupby("foot", sort=False))) | ({"real walks": real} if len(real) else {})
     for name, one in groups.items():
         row = {"foot": name, "walks": len(one)}
         for level in LEVELS:
             row |= {f"{key}_{level:g}": value for key, value in rate(one["nees"] < -2 * np.log(1 - level)).items()}
-        row["nees"] = one["nees"].mean() / 2
-        row["heading_nees"] = one["heading_nees"].mean() if "heading_nees" in one else np.nan
+        for square, (_, degrees) in SQUARES.items():
+            if square in one:
+                values = one[square].to_numpy() / degrees
+                found = bootstrap.mean(values, stream(seed, "walk consistency", name, square), block=1)
+                row |= {square: found.value, f"{square}_low": found.low, f"{square}_high": found.high}
         yield row
 
 
@@ -119,7 +129,8 @@ def consistency_page(data):
             values = (100 * one[f"{key}_{level:g}"] for key in ("rate", "low", "high"))
             middle, low, high = (tables.fixed(value, 1) for value in values)
             row[f"in the {level:.0%} ellipse [%]"] = f"{middle} [{low}, {high}]"
-        row |= {"NEES, position": tables.number(one["nees"], 2), "NEES, heading": tables.number(one["heading_nees"], 2)}
+        for square, (title, _) in SQUARES.items():
+            row[title] = tables.interval(*(one[square + end] for end in ENDS)) if np.isfinite(one[square]) else "—"
         yield row
 
 
@@ -146,9 +157,11 @@ def numbers(found, counted, varied, real):
         part = 100 * square[moving].groupby(single["set"]).sum() / square.groupby(single["set"]).sum()
         said[f"in_motion_{quantity}"] = [f"{end(part):.0f}" for end in (min, max)]
     for row in counted.to_dict("records"):
-        said["within"][row["foot"]] = {
-            f"{level:.0%}": f"{100 * row[f'rate_{level:g}']:.0f}" for level in LEVELS
-        } | {"covers": bool(all(row[f"low_{one:g}"] <= one <= row[f"high_{one:g}"] for one in LEVELS))}  # fmt: skip
+        said["within"][row["foot"]] = {f"{level:.0%}": f"{100 * row[f'rate_{level:g}']:.0f}" for level in LEVELS} | {
+            "covers": bool(all(row[f"low_{one:g}"] <= one <= row[f"high_{one:g}"] for one in LEVELS)),
+            "nees": tables.interval(*(row["nees" + end] for end in ENDS)),
+            "nees_verdict": verdicts.consistency((row["nees_low"], row["nees_high"])),
+        }
     if varied is not None:
         said |= of_choices(varied)
     return said
@@ -234,13 +247,15 @@ def least(one):
     return float(np.clip(-b / (2 * a), value[0], value[-1]))
 
 
-with job(snakemake) as (source, _, output):
+with job(snakemake) as (source, params, output):
     errors = pd.concat(
         pd.read_parquet(path).assign(set=Path(path).stem, walk=lambda one: one["walk"].astype(str))
         for path in source.budgets
     )
     real = pd.concat(map(pd.read_csv, source.walks)) if source.walks else pd.DataFrame(columns=["dataset"])
-    found, counted = map(pd.DataFrame, (contributions(errors), consistency(pd.read_csv(source.consistency), real)))
+    found, counted = map(
+        pd.DataFrame, (contributions(errors), consistency(pd.read_csv(source.consistency), real, params.seed))
+    )
     varied, sensitivity, settings = None, style.text_figure("no real walk is here"), pd.DataFrame(columns=LEFT_OUT)
     if source.choices:
         varied = pd.concat(map(pd.read_csv, source.choices))

@@ -4,7 +4,7 @@ import pandas as pd
 
 from imugap.numerics import block_bootstrap as bootstrap
 from imugap.stream import stream
-from imugap.study import walk_protocol
+from imugap.study import verdicts, walk_protocol
 from imugap.study.walk_protocol import FIGURES
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
@@ -58,7 +58,10 @@ def numbers(scores, kept, found, published, seed):
 
     def mean(values, name):
         one = bootstrap.mean(values.to_numpy(), stream(seed, "walk protocol", name), block=1)
-        return tables.interval(one.value, one.low, one.high)
+        return {
+            "value": tables.interval(one.value, one.low, one.high),
+            "verdict": verdicts.consistency((one.low, one.high)),
+        }
 
     return {
         "trials": int(kept["trial"].nunique()),

@@ -1,14 +1,15 @@
 """Verdicts of the text, all by one rule.
 
-A direction (better, worse, met, missed, nearer, farther) is stated only where a 95 % interval lies wholly on one side
-of what it is compared with: zero, an aim, or the 95 % interval of another value. Else nothing is decided. A distance is
-within the floor where it does not exceed the upper end of the floor's 95 % interval.
+A direction (better, worse, met, missed, nearer, farther, too certain, too careful) is stated only where a 95 % interval
+lies wholly on one side of what it is compared with: zero, an aim, one, or the 95 % interval of another value. Else
+nothing is decided. A distance is within the floor where it does not exceed the upper end of the floor's 95 % interval.
 """
 
 from collections.abc import Mapping
 
 LEVEL = "no difference beyond chance"
 NEARER, FARTHER, NOT_DISTINGUISHED = "nearer", "farther", "not distinguished"
+CAREFUL, CONSISTENT, CERTAIN = "too careful", "not distinguished from consistent", "too certain"
 UNDECIDED = "not decided: its interval holds the aim"
 
 Interval = tuple[float, float]
@@ -29,6 +30,11 @@ def difference(interval: Interval, level: str = LEVEL) -> str:
 def aim(interval: Interval, most: float) -> str:
     """Judge the interval of a value that is to be ``most`` at most."""
     return {-1: "met", 0: UNDECIDED, 1: "missed"}[side(interval, most)]
+
+
+def consistency(interval: Interval) -> str:
+    """Judge the interval of a mean NEES per degree of freedom, which is one for a consistent filter."""
+    return {-1: CAREFUL, 0: CONSISTENT, 1: CERTAIN}[side(interval, 1.0)]
 
 
 def gate(interval: Interval, share: float) -> str:
