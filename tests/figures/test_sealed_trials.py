@@ -1,7 +1,7 @@
 import numpy as np
 import pandas as pd
 
-from imugap.figures.sealed_trials import losses
+from imugap.figures.sealed_trials import losses, reliability
 
 
 def test_half_sizes_beyond_the_axis_are_triangles_at_its_edges():
@@ -10,3 +10,10 @@ def test_half_sizes_beyond_the_axis_are_triangles_at_its_edges():
     figure = losses(curve, table.assign(low=0.1, high=9.0), 200)
     marks = {line.get_marker(): list(line.get_ydata()) for line in figure.axes[1].lines}
     assert (marks["<"], marks["o"], marks[">"]) == ([0], [1], [2])
+
+
+def test_bins_of_nearly_one_probability_stand_apart():
+    bins = pd.DataFrame({"bin": [4, 5], "confidence": [0.499, 0.501], "count": [1, 90], "rate": [0.0, 0.46]})
+    panel = reliability(bins.assign(low=0.0, high=[0.98, 0.57])).axes[0]
+    assert [label.get_text() for label in panel.get_xticklabels()] == ["40 to 50 %\n(1)", "50 to 60 %\n(90)"]
+    assert np.diff(panel.get_xticks()) == 1

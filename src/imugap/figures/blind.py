@@ -94,7 +94,7 @@ def confusion(counts: pd.DataFrame) -> Figure:
 
 def rates(table: pd.DataFrame) -> Figure:
     """Draw rates with their intervals: columns ``title``, ``count``, ``rate``, ``low``, ``high``."""
-    figure, grid = panels_of(1, 1, 0.21 * len(table) + 0.6)
+    figure, grid = panels_of(1, 1, 0.165 * len(table) + 0.6)
     panel = grid[0, 0]
     places = np.arange(len(table))
     _intervals(panel, table, places)

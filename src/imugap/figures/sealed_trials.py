@@ -13,26 +13,23 @@ FOUND, ORACLE, EDGE = "#0072B2", "#555555", 0.03
 
 
 def reliability(bins: pd.DataFrame) -> Figure:
-    """Draw how often the likeliest explanation is right over its probability.
+    """Draw how often the likeliest explanation is right, beside the probability that was stated, in bins of it.
 
     Parameters
     ----------
     bins
-        Columns ``confidence`` (mean probability of a bin), ``count``, ``rate`` with ``low`` and ``high``.
+        Columns ``bin`` (number of the tenth), ``confidence`` (mean probability of a bin), ``count``, ``rate`` with
+        ``low`` and ``high``.
     """
-    figure, grid = panels_of(1, 2, 2.6, width_ratios=[1.2, 1])
-    panel, counts = grid[0]
+    figure, grid = panels_of(1, 1, 2.3)
+    panel, places = grid[0, 0], np.arange(len(bins))
     ends = bins["rate"] - bins["low"], bins["high"] - bins["rate"]
-    panel.plot([0, 1], [0, 1], color=ORACLE, ls="--", label="probability = share")
-    panel.errorbar(bins["confidence"], bins["rate"], ends, fmt="o", ms=4, color=FOUND, label="answers, 95 % interval")
-    panel.set(xlabel="probability of the likeliest explanation", ylabel="share that is right")
-    panel.set(xlim=(-EDGE, 1 + EDGE), ylim=(-EDGE, 1 + EDGE))
-    counts.bar(bins["confidence"], bins["count"], width=0.06, color=FOUND)
-    counts.set(
-        xlabel="probability of the likeliest explanation", ylabel="answers", yscale="log", xlim=(-EDGE, 1 + EDGE)
-    )
-    for axis in (panel.xaxis, panel.yaxis, counts.xaxis):
-        axis.set_major_formatter(PercentFormatter(1.0, 0))
+    panel.hlines(bins["confidence"], places - 0.3, places + 0.3, color=ORACLE, ls="--", label="stated probability")
+    panel.errorbar(places, bins["rate"], ends, fmt="o", ms=4, color=FOUND, label="share that is right, 95 % interval")
+    ticks = [f"{10 * one.bin} to {10 * one.bin + 10} %\n({one.count})" for one in bins.itertuples()]
+    panel.set_xticks(places, ticks)
+    panel.set(xlabel="probability of the likeliest explanation (number of answers)", ylim=(-EDGE, 1 + EDGE))
+    panel.yaxis.set_major_formatter(PercentFormatter(1.0, 0))
     legend_below(figure, 2)
     return figure
 
@@ -49,7 +46,7 @@ def losses(curve: pd.DataFrame, table: pd.DataFrame, choices: int) -> Figure:
     choices
         Number of names times axes among which the search chooses.
     """
-    figure, grid = panels_of(1, 2, max(0.155 * len(table) + 1.0, 2.8), width_ratios=[1, 1.1])
+    figure, grid = panels_of(1, 2, max(0.13 * len(table) + 1.0, 2.8), width_ratios=[1, 1.1])
     left, right = grid[0]
     size = np.geomspace(0.5, 8, 200)
     shift = bonferroni_half_size(choices) - 1
@@ -74,7 +71,7 @@ def losses(curve: pd.DataFrame, table: pd.DataFrame, choices: int) -> Figure:
         xlabel="size [detection limits]",
         ylim=(len(rows) - 0.3, -0.7),
     )
-    right.set_yticks(rows, table["name"].str.replace("_", " "))
+    right.set_yticks(rows, table["name"].str.replace("_", " "), fontsize=7)
     right.set_xticks([0.5, 1, 2, 4, 8])
     for panel in (left, right):
         panel.xaxis.set_major_formatter(PLAIN)

@@ -122,20 +122,21 @@ def drift(time: np.ndarray, paths: Mapping[str, np.ndarray]) -> Figure:
         Start to drifts, shape (runs, epochs, 9), columns of :data:`imugap.kinematics.strapdown.COLUMNS`.
     """
     groups = {
-        "attitude [°]": (6, ("roll", "pitch", "heading"), np.rad2deg),
-        "velocity [m/s]": (3, ("north", "east", "down"), np.asarray),
-        "position [m]": (0, ("north", "east", "down"), np.asarray),
+        "attitude [°]": (6, np.rad2deg),
+        "velocity [m/s]": (3, np.asarray),
+        "position [m]": (0, np.asarray),
     }
+    colours = {"roll; north": "#D55E00", "pitch; east": "#0072B2", "heading; down": "#009E73"}
     figure, grid = panels_of(len(paths), 3, 2.1 * len(paths), sharex=True)
     for row, (start, path) in zip(grid, paths.items(), strict=True):
-        for panel, (title, (first, names, convert)) in zip(row, groups.items(), strict=True):
-            for k, (name, colour) in enumerate(zip(names, ("#D55E00", "#0072B2", "#009E73"), strict=True)):
+        for panel, (title, (first, convert)) in zip(row, groups.items(), strict=True):
+            for k, (name, colour) in enumerate(colours.items()):
                 shown = convert(path[:, :, first + k])
                 panel.plot(time, shown[0], color=colour, label=name)
                 panel.plot(time, shown[1:].T, color=colour, lw=0.4, alpha=0.6)
             panel.set(title=f"{start}: {title}", xlim=(0, time[-1]))
-            panel.legend(loc="best")
     label_lowest(grid, "time [s]")
+    legend_below(figure, 3)
     return figure
 
 
