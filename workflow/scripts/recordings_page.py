@@ -150,7 +150,7 @@ def distances(report):
 
 
 def numbers(known, reports, bias, titles):
-    """Return what the text says of each recording."""
+    """Return what the text says of each recording, and in how many the distance in distribution reaches the floor."""
     said = {}
     for name, report in reports.items():
         shown = {key: tables.number(known[name][key]) for key in ("duration_s", "rate_hz")}
@@ -173,7 +173,13 @@ def numbers(known, reports, bias, titles):
         own = bias[(bias["recording"] == name) & bias["axis"].isin(GYRO)]
         if len(own):
             said[name]["gyro_bias_difference"] = tables.number(own["difference"].abs().max(), 2)
-    return said
+    far = [one["distances"]["distribution"] for one in said.values()]
+    return {
+        "recordings": said,
+        "count": len(said),
+        "reached": sum(one["reached"] for one in far),
+        "unexplained": sum(one["left"] > 0 for one in said.values()),
+    }
 
 
 with job(snakemake) as (source, params, output):

@@ -42,9 +42,9 @@ def loss_page(losses):
         "hidden": losses["name"].str.replace("_", " "),
         "cases": losses["count"],
         "one half found at [limits]": [
-            f"{one.half:.2f} [{one.low:.2f}, {one.high:.2f}]" for one in losses.itertuples()
+            f"{one.half:.2f} [{one.low:.2f}, {one.high:.2f}]".replace("inf", "∞") for one in losses.itertuples()
         ],
-        "loss [limits]": losses["loss"].map("{:.2f}".format),
+        "loss [limits]": [f"{one:.2f}".replace("inf", "∞") for one in losses["loss"]],
         "rightly named of those found": [f"{one.right} of {one.seen}" for one in losses.itertuples()],
     })  # fmt: skip
 

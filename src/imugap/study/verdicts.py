@@ -10,7 +10,7 @@ from collections.abc import Mapping
 LEVEL = "no difference beyond chance"
 NEARER, FARTHER, NOT_DISTINGUISHED = "nearer", "farther", "not distinguished"
 CAREFUL, CONSISTENT, CERTAIN = "too careful", "not distinguished from consistent", "too certain"
-UNDECIDED = "not decided: its interval holds the aim"
+UNDECIDED = "not decided"
 
 Interval = tuple[float, float]
 
