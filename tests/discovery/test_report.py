@@ -1,4 +1,4 @@
-from imugap.discovery.finding import Discrepancy
+from imugap.discovery.finding import Discrepancy, Unnamed, unnamed_sentences
 from imugap.discovery.report import describe_locations
 
 
@@ -21,3 +21,21 @@ def test_many_places_stay_one_sentence_that_names_how_many_more_there_are():
     assert text.startswith("gyro_x, view 0, 0 Hz; ")
     assert text.endswith("; and 183 more views, all of them in the table of places")
     assert len(text) < 400
+
+
+def test_what_is_not_named_for_one_reason_is_one_sentence_for_each_axis():
+    def of(axis, name, reason):
+        return Unnamed(axis, name, reason, {})
+
+    found = [
+        of("gyro_x", "variance_change", "they come at a beat"),
+        of("gyro_x", "chirp", "its spectrum has another shape"),
+        of("gyro_x", "variance_change", "they come at a beat"),
+        of("gyro_y", "chirp", "its spectrum has another shape"),
+        of("gyro_x", "scale_factor", "its spectrum has another shape"),
+    ]
+    assert list(unnamed_sentences(found)) == [
+        "gyro_x: something like variance change (2), but they come at a beat; not named.",
+        "gyro_x: something like chirp, scale factor, but its spectrum has another shape; not named.",
+        "gyro_y: something like chirp, but its spectrum has another shape; not named.",
+    ]

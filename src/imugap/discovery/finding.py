@@ -1,6 +1,7 @@
 """Results of discovery: locations where simulation and measurement disagree, and effects that explain them."""
 
-from collections.abc import Mapping
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from imugap.effects.effect import Effect, Evidence
@@ -130,9 +131,15 @@ class Unnamed:
     reason: str
     probabilities: Mapping[str, float]
 
-    def sentence(self) -> str:
-        """Return it as a sentence."""
-        return f"{self.axis}: something like {self.name.replace('_', ' ')}, but {self.reason}; not named."
+
+def unnamed_sentences(found: Iterable[Unnamed]) -> Iterator[str]:
+    """Yield what is not named as sentences, one for all of an axis that have the same reason."""
+    names: dict[tuple[str, str], Counter[str]] = defaultdict(Counter)
+    for one in found:
+        names[one.axis, one.reason][one.name.replace("_", " ")] += 1
+    for (axis, reason), counts in names.items():
+        alike = ", ".join(name if count == 1 else f"{name} ({count})" for name, count in counts.items())
+        yield f"{axis}: something like {alike}, but {reason}; not named."
 
 
 def finding(effects: dict[str, Effect], evidence: Evidence, unit: str) -> Finding:

@@ -8,7 +8,7 @@ import pandas as pd
 
 from imugap.discovery.device import Discovery
 from imugap.discovery.evaluation.distance import Distances
-from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval, Unnamed
+from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval, Unnamed, unnamed_sentences
 from imugap.discovery.nameless_noise import NamelessNoise
 from imugap.discovery.posterior import IN_WORDS, MIN_SHARE, NOT_SEEN, ambiguity_set, percent
 from imugap.integrity.regular import counted
@@ -129,15 +129,17 @@ def candidate_table(found: Discovery) -> pd.DataFrame:
 
 
 def verdict(found: Discovery) -> str:
-    """Return the verdict as text."""
+    """Return the verdict as text; that the final model does not fit comes ahead of any name and number."""
     known = "has a name" if found.withheld or found.unexplained or found.shapes else "the log can show"
-    lines = [] if found.band is None else [found.band.sentence()]
+    far = [name for name, one in found.distances.items() if not one.reached]
+    lines = [f"The model does not yet describe the device in {' and '.join(far)}."] if far else []
+    lines += [] if found.band is None else [found.band.sentence()]
     if found.record.shocks:
         times = ", ".join(f"{begin:.4g} to {end:.4g} s" for begin, end in found.record.shocks[:MAX_LOCATIONS])
         number = counted(len(found.record.shocks), "shock")
         lines.append(f"Left out: {number} of the device, on several axes at once, {times}; no error of a sensor.")
     lines += [_sentence(finding) for finding in found.findings] or [f"Nothing is missing that {known}."]
-    lines += [one.sentence() for one in found.withheld]
+    lines += unnamed_sentences(found.withheld)
     lines += described_sentences(found)
     lines += [one.sentence() for one in found.shapes]
     if found.undetermined:

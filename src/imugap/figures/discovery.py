@@ -123,10 +123,11 @@ def _scaled(row: Sequence[Axes], curve: Curve) -> None:
 
 
 def drawn_places(found: Discovery) -> list[tuple[str, str]]:
-    """Return view and axis of every place of which there is a curve, of each view the surest axis first."""
+    """Return view and axis of the places to draw alone: of each view the surest axis, then those still unexplained."""
     shown = _shown(found)
-    first = dict(reversed(shown))
-    return sorted(shown, key=lambda key: key not in first.items())
+    surest = dict(reversed(shown)).items()
+    unexplained = {(one.view, one.axis) for one in found.unexplained}
+    return [key for key in shown if key in surest] + [key for key in shown if key in unexplained and key not in surest]
 
 
 def place(found: Discovery, alpha: float, key: tuple[str, str]) -> Figure:

@@ -123,7 +123,8 @@ def _level(powers: np.ndarray) -> np.ndarray:
     over_time = np.maximum(powers.mean(axis=1, keepdims=True), 1.0)
     along = np.ascontiguousarray(powers.T)
     count = len(along) // WINDOW
-    around = np.repeat(_medians(along[: count * WINDOW].reshape(count, -1)), WINDOW)
+    independent = along[: count * WINDOW : OVERSAMPLING]
+    around = np.repeat(_medians(independent.reshape(count, -1)), WINDOW)
     around = np.pad(around, (0, len(along) - len(around)), mode="edge")
     steady = _medians(along)
     medians = np.maximum(around, np.where(steady > MAX_STEADY_POWER, steady, 0.0))

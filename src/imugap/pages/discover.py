@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from imugap.discovery.evaluation.distance import Distances
-from imugap.discovery.finding import Discrepancy, Finding, Interval
+from imugap.discovery.finding import Discrepancy, Finding, Interval, unnamed_sentences
 from imugap.discovery.inputs import FileDiscovery
 from imugap.discovery.nameless_noise import NamelessNoise
 from imugap.discovery.report import certainty, describe_locations, describe_range, described_sentences
@@ -179,7 +179,7 @@ def _remarks(result: FileDiscovery) -> Iterable[str]:
     found = result.found
     if found.band is not None:
         yield found.band.sentence()
-    yield from (one.sentence() for one in found.withheld)
+    yield from unnamed_sentences(found.withheld)
     yield from described_sentences(found)
     for axis, name in found.undetermined:
         yield f"{axis}: the log does not show {name.replace('_', ' ')}; kept as the start model has it."
@@ -220,7 +220,9 @@ def _places(result: FileDiscovery) -> Iterable[Block]:
         return
     yield Text(
         f"Each picture compares the log (black) with simulations (band: where {1 - result.alpha:.0%} of them stay "
-        "everywhere), with the model before and after. Bars at the top mark the places where the log leaves the band."
+        "everywhere), with the model before and after. Bars at the top mark the places where the log leaves the band. "
+        "Of each view the surest axis is shown, and every axis that is still unexplained; the figure called places "
+        "beside this page has all."
     )
     drawn = figures.drawn_places(found)
     pictures = [

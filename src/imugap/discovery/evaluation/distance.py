@@ -75,9 +75,14 @@ class Distances:
         return self.after.value > max(self.before.high, self.floor.high)
 
     @property
+    def reached(self) -> bool:
+        """Return whether the final model is within the floor."""
+        return self.after.value <= self.floor.high
+
+    @property
     def judgement(self) -> str:
         """Return in words what the distances say of the final model."""
-        if self.after.value > self.floor.high:
+        if not self.reached:
             return "the model does not yet describe the device"
         if self.before.value <= self.floor.high:
             return "within the floor before and after, nothing to gain"

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
+from numba import njit
 
 from imugap.discovery.preparation.cosine_bins import Bins
 from imugap.effects.effect import TINY, FilterEffect, Role, StochasticEffect
@@ -162,7 +163,7 @@ def fit(
     others
         Bins and power of further sequences of the same noise; the likelihood is that of all together.
     """
-    sequences = [(NoiseSpectra(start, of), sums) for of, sums in ((bins, power), *others)]
+    sequences = [(NoiseSpectra(start, of, held), sums) for of, sums in ((bins, power), *others)]
     low, high = limits(start, bins, power)
     if held:
         low[-1] = high[-1] = start.theta()[-1]
@@ -184,19 +185,21 @@ def fit(
     return NoiseFit(start.at(theta), value, information, gradient)
 
 
-def _step(gradient: np.ndarray, information: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+@njit(cache=True)
+def _step(gradient, information, low, high):
     """Return the step to the top of a quadratic within a box; what leads out of it stays at the end, the rest follows.
 
     A process much fainter than the others leads far out: a step shortened as a whole would not move the others.
     """
-    step, free = np.zeros(len(gradient)), np.ones(len(gradient), bool)
+    step, free = np.zeros(len(gradient)), np.ones(len(gradient), np.bool_)
     while free.any():
-        rest = gradient[free] - information[np.ix_(free, ~free)] @ step[~free]
-        step[free] = np.linalg.solve(information[np.ix_(free, free)], rest)
+        inside, held = np.flatnonzero(free), np.flatnonzero(~free)
+        rest = gradient[inside] - information[inside][:, held] @ step[held]
+        step[inside] = np.linalg.solve(information[inside][:, inside], rest)
         beyond = free & ((step < low) | (step > high))
         if not beyond.any():
             break
-        step[beyond] = np.clip(step, low, high)[beyond]
+        step = np.where(beyond, np.minimum(np.maximum(step, low), high), step)
         free &= ~beyond
     return step
 
@@ -227,9 +230,10 @@ class _Process:
 class NoiseSpectra:
     """Variances of the coefficients and their derivatives as functions of the log parameters."""
 
-    def __init__(self, noise: Noise, bins: Bins) -> None:
-        """Prepare the spectra of the effects of ``noise`` at the frequencies of ``bins``."""
+    def __init__(self, noise: Noise, bins: Bins, held: bool = False) -> None:
+        """Prepare the spectra of ``noise`` at the frequencies of ``bins``; the cutoff of its filter may be ``held``."""
         self.noise, self.bins, self.processes = noise, bins, []
+        self.held = self._filter(noise.theta()[-1]) if held else None
         for i, effect in enumerate(noise.effects):
             mine = [(name, j) for j, (index, name) in enumerate(noise.parameters()) if index == i]
             names, places = zip(*mine, strict=True)
@@ -246,7 +250,7 @@ class NoiseSpectra:
             self._add(process, theta, total, slopes)
         slopes /= total
         if self.noise.output_filter is not None:
-            gain, slopes[-1] = self._filter(theta[-1])
+            gain, slopes[-1] = self.held or self._filter(theta[-1])
             passed, total = total * gain, total * gain + self.bins.rounding
             slopes *= passed / total
         gradient = 0.5 * slopes @ (power / total - self.bins.number)

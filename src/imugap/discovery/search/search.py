@@ -138,6 +138,8 @@ class Search:
     log_alpha: float
     memory: dict[Description, AxisFit] = field(default_factory=dict)
     """Fits, by the description from which they started."""
+    behind: dict[tuple[Description, Effect], float] = field(default_factory=dict)
+    """Log-likelihoods of fits behind a filter, by the description without it and the filter from which they started."""
     tails: dict[Effect, Tails] = field(default_factory=dict)
     """Distribution of the residual by which outliers were found."""
     raw: dict[Effect, AxisSequence] = field(default_factory=dict)
@@ -263,13 +265,19 @@ class Search:
         added = self.added(after)
         return len(added) > len(self.added(before)) and all(one.significant for one in added)
 
-    def trials(self, before: AxisFit, bar: float) -> Iterator[Trial]:
-        """Yield every proposal, fitted, whose log-probability may come below ``bar``."""
+    def trials(self, before: AxisFit, bar: float, whole: AxisFit | None = None) -> Iterator[Trial]:
+        """Yield every proposal, fitted, whose log-probability may come below ``bar``.
+
+        ``whole`` is a fit to the same samples with all effects of ``before`` and more, whose likelihood behind a filter
+        is no less than that of ``before`` behind it.
+        """
         for kind in self.catalogue:
             if sum(isinstance(one, kind) for one in before.description.effects()) > (kind.most or MAX_ADDITIONS):
                 continue
             for start in kind.starts(before):
                 if kind.role is Role.FILTER:
+                    if whole is not None and not self._may_reach_behind(start, before, whole, bar):
+                        continue
                     start, beside = behind_filter(start, before)
                     if may_reach(start, bar):
                         trial = self.trial_of(start, before, beside)
@@ -278,6 +286,19 @@ class Search:
                 elif _moves(start.effect, before) or may_reach(start, bar):
                     yield self.trial_of(start, before)
         yield from self._noise_instead(before)
+
+    def _may_reach_behind(self, start: Start, before: AxisFit, whole: AxisFit, bar: float) -> bool:
+        """Return whether a filter may come below ``bar``, by what it reaches with more effects.
+
+        In motion a fit behind a filter takes long, and most filters distort the motion beyond what any effect mends.
+        """
+        if not before.sequence.in_motion or whole.description.noise.output_filter is not None:
+            return True
+        key = whole.description, start.effect
+        if key not in self.behind:
+            filtered, beside = behind_filter(start, whole)
+            self.behind[key] = self.trial_of(filtered, whole, beside).fit.log_likelihood
+        return may_reach(replace(start, gain=self.behind[key] - before.log_likelihood), bar)
 
     def _noise_instead(self, before: AxisFit) -> Iterator[Trial]:
         """Yield slow noise in place of that of the start model, whose fitted size may stand for the missing noise.
@@ -398,7 +419,7 @@ class Search:
         if own.log_p > self.log_alpha:
             return without
         bar = min(self.log_alpha, own.log_p + LOG_P_MARGIN)
-        tried = self.trials(without, bar)
+        tried = self.trials(without, bar, candidate.fit)
         others = (one for one in tried if _another(one.effect, own.effect) or one.parameters < own.parameters)
         best = max(others, key=lambda trial: trial.worth, default=None)
         if best is not None and best.worth > own.worth + MIN_EXCHANGE_GAIN:
@@ -471,7 +492,7 @@ class Candidate:
         """Return the trials of all other effects in its place whose log-probability may come below ``bar``."""
         if self.role is Role.OUTLIERS:
             return []
-        return [trial for trial in self.search.trials(self.without, bar) if trial.name != self.effect.name]
+        return [trial for trial in self.search.trials(self.without, bar, self.fit) if trial.name != self.effect.name]
 
 
 def without(found: AxisFit, candidates: Sequence[Candidate]) -> AxisFit:
