@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from imugap.estimation.allan import LAWS
 from imugap.estimation.indices import INDICES
-from imugap.figures.style import AXIS_TITLES, allan_panels, allan_unit, label_lowest, legend_below, panels_of
+from imugap.figures.style import AXIS_TITLES, allan_panels, allan_unit, decades, label_lowest, legend_below, panels_of
 from imugap.units import from_si
 
 TITLES = {
@@ -192,7 +192,8 @@ def ranking(scores: pd.DataFrame, column: str, label: str) -> Figure:
             for name in one["contender"].unique():
                 ratio = lines[name] / lines["bias_only"]
                 panel.plot(lines.index, ratio, color=COLOURS[name], marker=".", ms=3, label=TITLES[name])
-            panel.set(title=f"{start}: {quantity}", xscale="log", yscale="log")
+            panel.set(title=f"{start}: {quantity}", xscale="log")
+            decades(panel)
     for panel in grid[:, 0]:
         panel.set_ylabel(f"{label} / that of bias only")
     label_lowest(grid, "navigation length [s]")
@@ -232,7 +233,7 @@ def clock(clocks: pd.DataFrame, spread: pd.DataFrame) -> Figure:
     """
     figure, grid = panels_of(1, 2, 2.4, width_ratios=[2, 1])
     left, right = grid[0]
-    kinds = {"lines": "spectral lines", "rolloff": "roll-off of the gyro noise", "combined": "combined"}
+    kinds = {"lines": "spectral lines", "rolloff": "roll-off of the gyroscope noise", "combined": "combined"}
     for shift, (kind, label), colour in zip(
         (-0.15, 0, 0.15), kinds.items(), ("#D55E00", "#0072B2", "black"), strict=True
     ):
@@ -241,12 +242,10 @@ def clock(clocks: pd.DataFrame, spread: pd.DataFrame) -> Figure:
         left.errorbar(place, value, [value - low, high - value], fmt="o", ms=3, lw=1, color=colour, label=label)
     left.axhline(1, color="black", lw=0.6)
     left.set(xlabel="run", ylabel="sampling interval / run 1", xticks=clocks["run"].to_list())
-    left.legend()
     place = np.arange(len(spread))
     right.bar(place - 0.2, 100 * spread["nominal"], 0.4, color="#999999", label="nominal interval")
     right.bar(place + 0.2, 100 * spread["corrected"], 0.4, color="#0072B2", label="measured interval")
     right.set(xticks=place, xticklabels=[axis[-1] for axis in spread.index], ylabel="scatter of N over runs [%]")
     right.set_xlabel("gyroscope")
-    right.set_ylim(0, 1.35 * right.get_ylim()[1])
-    right.legend(loc="upper left")
+    legend_below(figure, 5)
     return figure

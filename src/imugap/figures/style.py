@@ -10,7 +10,7 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 from imugap import log
 
 AXIS_TITLES = {axis: f"{'Gyroscope' if axis in log.GYRO else 'Accelerometer'} {axis[-1]}" for axis in log.AXES}
-ALLAN_UNITS = {"gyro": ("deg/h", "deg/h"), "accel": ("ug", "µg")}
+ALLAN_UNITS = {"gyro": ("deg/h", "°/h"), "accel": ("ug", "µg")}
 STYLE = {
     "font.size": 8,
     "axes.titlesize": 8,
@@ -71,10 +71,10 @@ def label_lowest(grid: np.ndarray, text: str) -> None:
         panel.set_xlabel(text)
 
 
-def decades(panel: mpl.axes.Axes) -> None:
-    """Set a logarithmic vertical axis with plain numbers at 1, 2 and 5 of a decade."""
+def decades(panel: mpl.axes.Axes, parts: tuple[int, ...] = (1, 2, 5)) -> None:
+    """Set a logarithmic vertical axis with plain numbers at ``parts`` of a decade."""
     panel.set_yscale("log")
-    panel.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5), numticks=8))
+    panel.yaxis.set_major_locator(LogLocator(subs=parts, numticks=8))
     panel.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     panel.yaxis.set_minor_formatter(NullFormatter())
 
@@ -92,7 +92,8 @@ def allan_panels() -> tuple[Figure, dict[str, mpl.axes.Axes]]:
     figure, grid = panels_of(2, 3, 4.6, sharex=True, sharey="row")
     panels = dict(zip(log.AXES, grid.flat, strict=True))
     for axis, panel in panels.items():
-        panel.set(title=AXIS_TITLES[axis], xscale="log", yscale="log")
+        panel.set(title=AXIS_TITLES[axis], xscale="log")
+        decades(panel, (1, 3))
     for row, kind in zip(grid, ALLAN_UNITS, strict=True):
         row[0].set_ylabel(f"Allan deviation [{ALLAN_UNITS[kind][1]}]")
     label_lowest(grid, "averaging time τ [s]")
