@@ -152,9 +152,7 @@ def of_set(rows):
 
 def verdict(values):
     """Return a difference with its interval [cm], and what it says."""
-    value, low, high = values
-    said = tables.interval(*(100 * one for one in values))
-    return {"value": said, "mean": "better" if value < 0 else "worse", "verdict": verdicts.difference((low, high))}
+    return {"value": tables.interval(*(100 * one for one in values)), "verdict": verdicts.difference(tuple(values[1:]))}
 
 
 with job(snakemake) as (source, params, output):
