@@ -1,5 +1,7 @@
 """Views: their statistics are standard under the model, and peak where something is hidden."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import kstest
@@ -60,6 +62,28 @@ def test_windows_hold_what_they_say():
         window_sums(sums), [sums[i:j].sum() for i, j in zip(first, last, strict=True)], atol=1e-12
     )
     assert set(last - first) == {1, 2, 4}
+
+
+def test_a_faint_window_beside_a_strong_one_keeps_its_sum():
+    sums = np.r_[1e12, np.full(7, 1e-9)]
+    first, last = windows(len(sums))
+    np.testing.assert_allclose(window_sums(sums), [sums[i:j].sum() for i, j in zip(first, last, strict=True)])
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_band_in_which_an_axis_is_silent_has_no_coherence():
+    """Behind a steep filter the power beyond its cutoff is less than the rounding of all power."""
+    one, other = fitted(seed=1), fitted(seed=2, axis="gyro_y")
+    coefficients = np.where(np.arange(COUNT - 1) < 2000, 1.0, 1e-9) * one.coefficients
+    coefficients[4000:8000] = 0.0
+    silent = replace(one)
+    object.__setattr__(silent, "coefficients", coefficients)
+    curve = views.of_coherence(silent, other)
+    resolution = 1 / (2 * COUNT * INTERVAL)
+    inside = (curve.low > 4001 * resolution) & (curve.high < 8000 * resolution)
+    assert inside.any()
+    np.testing.assert_array_equal(curve.statistic[inside], 0.0)
+    assert np.abs(curve.statistic).max() < 5
 
 
 def test_highest_of_each_block():

@@ -75,10 +75,12 @@ def windows(cells: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def window_sums(sums: np.ndarray) -> np.ndarray:
-    """Return the sums over all windows, from the sums of the cells."""
-    first, last = windows(len(sums))
-    total = np.concatenate([np.zeros(1), np.cumsum(sums)])
-    return total[last] - total[first]
+    """Return the sums over all windows, from the sums of the cells.
+
+    Each window is summed by itself: a difference of cumulative sums would lose a faint window beside a strong one.
+    """
+    ends = np.column_stack(windows(len(sums))).ravel()
+    return np.add.reduceat(np.append(sums, 0.0), ends)[::2]
 
 
 def window_ranges(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

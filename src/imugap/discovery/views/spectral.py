@@ -112,7 +112,9 @@ def of_coherence(one: AxisFit, other: AxisFit, last: int | None = None) -> Curve
     first, number = bands(last, BAND_WIDTH, MIN_COEFFICIENTS)
     a, b = one.coefficients[:last], other.coefficients[:last]
     product, square, other_square = (window_sums(np.add.reduceat(part, first)) for part in (a * b, a**2, b**2))
-    score = correlation_score(product / np.sqrt(square * other_square), window_sums(number))
+    norm = np.sqrt(square * other_square)
+    correlation = np.divide(product, norm, out=np.zeros_like(norm), where=norm > 0)
+    score = correlation_score(correlation, window_sums(number))
     low, high = window_ranges(*_range(one, first, number))
     names = f"{one.sequence.conditions.axis},{other.sequence.conditions.axis}"
     return Curve(COHERENCE, names, low, high, "Hz", score, windows=windows(len(first)))
