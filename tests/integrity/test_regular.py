@@ -304,3 +304,16 @@ def test_streams_with_stamps_of_their_own_are_joined_at_the_stamps_of_the_fastes
     assert joined.index[0] >= 0.0033
     np.testing.assert_allclose(joined[list(GYRO)], course(joined.index.to_numpy()), atol=8e-3)
     np.testing.assert_allclose(joined[list(ACCEL)], course(joined.index.to_numpy()), atol=8e-3)
+
+
+def test_a_clock_set_back_by_an_hour_goes_on_and_that_is_said():
+    time = 1_729_990_000 + even(100.0) - np.where(np.arange(COUNT) < COUNT // 2, 0, 3600)
+    found = stamps(time)
+    assert found.interval == pytest.approx(0.01, rel=1e-4)
+    assert found.count == COUNT
+    assert f"set back once, at row {COUNT // 2}, by an hour (end of daylight saving?)" in str(found.remarks[0])
+
+
+def test_a_run_of_an_hour_behind_another_is_refused():
+    with pytest.raises(LogError, match="another run begins there"):
+        stamps(np.tile(np.arange(7200) / 2, 2))

@@ -275,3 +275,26 @@ def test_counters_of_time_and_names_of_rates_are_read(tmp_path, clock, size, rat
     found = read(path, RecordingSettings(units={"gyro": "rad/s"}, frame="as-is"))
     np.testing.assert_allclose(found.log.to_numpy(), at_rest(), rtol=1e-9)
     assert 1 / np.diff(found.log.index).mean() == pytest.approx(RATE)
+
+
+@pytest.mark.parametrize("unit", ["mdeg/s", "deg/h", "mrad/s"])
+def test_rates_with_the_noise_of_no_gyroscope_in_degrees_are_refused(tmp_path, unit):
+    path = written(tmp_path, at_rest(), NAMELESS, gyro=unit)
+    with pytest.raises(LogError, match=r"--units gyro=.*too much for deg/s"):
+        read(path)
+    found = read(path, RecordingSettings(units={"gyro": unit}, frame="as-is"))
+    np.testing.assert_allclose(found.log.to_numpy(), at_rest(), rtol=1e-6)
+
+
+@pytest.mark.parametrize("dead", [GYRO, ACCEL])
+def test_a_triad_that_the_driver_fills_with_zeros_costs_that_triad_alone(tmp_path, dead):
+    samples = at_rest()
+    samples[:, [AXES.index(name) for name in dead]] = 0
+    found = read(written(tmp_path, samples, NAMELESS)).regular
+    assert set(found.samples) == set(AXES) - set(dead)
+    assert set(found.unusable) == set(dead)
+
+
+def test_accelerations_without_gravity_and_without_a_unit_are_refused_for_that(tmp_path):
+    with pytest.raises(LogError, match="of no gravity: was it removed"):
+        read(written(tmp_path, at_rest(up=(0, 0, 0.02)), NAMELESS))

@@ -31,6 +31,8 @@ CONSEQUENCES: dict[Fault, tuple[str, ...]] = {
     Fault.HELD: (FINE, FINE, NEVER, FINE, FINE),
     Fault.INTERPOLATED: (LESS, LESS, NOTED, FINE, FINE),
 }
+ROUNDED = ("rounded", "rounded", "an effect", FINE, FINE)
+"""What rounding means: the noise and the mean of rounded values, an effect of its own, nothing to motion."""
 LONGEST_GAP_S = {"walk": 0.1, "drive": 0.5}
 """Longest gap that a command fills [s]."""
 NEXT = {
@@ -183,8 +185,11 @@ def _of_samples(regular: Regular, raw: Report, motion: rest.Motion) -> Iterable[
             text = f"{axis.axis}: clipped at {axis.minimum:.6g} or {axis.maximum:.6g}"
             yield CheckedFault("clipped values", text, ("kept", "kept", NOTED, FINE, FINE))
         if axis.axis in coarse and not motion.mostly:
-            text = f"{axis.axis}: noise below one count, {axis.lattice:.4g}; N is that of the rounded values"
-            yield CheckedFault("coarse values", text)
+            text = (
+                f"{axis.axis}: noise below one count, {axis.lattice:.4g}; keep all samples: N is that of the rounded "
+                f"values, the mean is known to half a count"
+            )
+            yield CheckedFault("coarse values", text, ROUNDED)
 
 
 def _of_shocks(shocks: Sequence[Shock], regular: Regular) -> Iterable[CheckedFault]:

@@ -181,6 +181,8 @@ class Effect:
     """Whether it is a tone, steady or not, whose phase differs from run to run."""
     essential: ClassVar[tuple[str, ...]] = ()
     """Parameters that are not zero; else it is another effect."""
+    rounds: ClassVar[bool] = False
+    """Whether it spoils no sample: it rounds all of them to a lattice."""
     replaced: ClassVar[bool] = False
     """Whether discovery replaces the samples that it spoils."""
     memoryless: ClassVar[bool] = False

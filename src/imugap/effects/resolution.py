@@ -33,6 +33,7 @@ class Resolution(Effect):
     stage: ClassVar[Stage] = Stage.WORD
     role: ClassVar[Role] = Role.OUTPUT
     memoryless: ClassVar[bool] = True
+    rounds: ClassVar[bool] = True
     step: float = parameter("{u}", "distance of neighbouring output values", low=TINY)
 
     @property

@@ -14,7 +14,7 @@ from imugap.discovery.evaluation.distance import Distances, Drifts
 from imugap.discovery.finding import Discrepancy, Interval
 from imugap.discovery.views import Curve
 from imugap.discovery.views.discrepancies import ViewTest
-from imugap.figures.style import AXIS_TITLES, card, legend_below, panels_of, text_figure
+from imugap.figures.style import AXIS_TITLES, card, legend_below, panels_of, text_figure, time_axis
 from imugap.figures.views import VIEWS
 from imugap.workflow.tables import unit
 
@@ -78,7 +78,7 @@ def _compared(found: Discovery, alpha: float, drawn: Sequence[tuple[str, str]]) 
                 panel.text(0.5, 0.5, "explained by what the axes share", ha="center", transform=panel.transAxes)
             else:
                 _view(panel, test, alpha, colour, f"{1 - alpha:.0%} of simulations, {title}")
-                _marked(panel, [place for place in places if (place.view, place.axis) == key])
+                _marked(panel, [place for place in places if (place.view, place.axis) == key], test.curve)
         _scaled(row, before[key].curve)
     legend_below(figure, 4)
     return figure
@@ -92,7 +92,7 @@ def _view(panel: Axes, test: ViewTest, alpha: float, colour: str, label: str) ->
     if curve.windows is not None:
         first, last = curve.windows
         cells = np.flatnonzero(last - first == 1)
-    middle = ((curve.low + curve.high) / 2)[cells]
+    middle = ((curve.low + curve.high) / 2)[cells] - _along(curve)[0]
     order = np.argsort(middle)
     at, cells = middle[order], cells[order]
     floor = low[cells] if curve.signed else np.minimum(curve.statistic[cells].min(), 0.0)
@@ -100,20 +100,30 @@ def _view(panel: Axes, test: ViewTest, alpha: float, colour: str, label: str) ->
     panel.plot(at, curve.statistic[cells], color=LOG, marker=".", ms=2, lw=0.7, label="log")
 
 
-def _marked(panel: Axes, places: Sequence[Discrepancy]) -> None:
+def _along(curve: Curve) -> tuple[float, str]:
+    """Return the location from which a view is drawn, that of time from its begin, and the label of its axis."""
+    name = VIEWS[curve.view].along
+    if name == "time":
+        return time_axis(float(curve.low.min()), float(curve.high.max()))
+    return 0.0, name if curve.unit == "1" else f"{name} [{unit(curve.unit)}]"
+
+
+def _marked(panel: Axes, places: Sequence[Discrepancy], curve: Curve) -> None:
     """Mark places at the top of a panel."""
+    begin, _ = _along(curve)
     for place in places:
-        panel.plot([place.low, place.high], [TOP, TOP], color=PLACE, lw=2.5, marker="|", ms=7, mew=1.5, label="place",
+        ends = [place.low - begin, place.high - begin]
+        panel.plot(ends, [TOP, TOP], color=PLACE, lw=2.5, marker="|", ms=7, mew=1.5, label="place",
                    transform=panel.get_xaxis_transform())  # fmt: skip
 
 
 def _scaled(row: Sequence[Axes], curve: Curve) -> None:
     """Label the panels of one view, and give its curve room below the marks."""
-    name = VIEWS[curve.view].along
+    _, along = _along(curve)
     row[0].set_ylabel("deviation [σ]" if curve.signed else "gain")
     row[0].margins(y=0.15)
     for panel in row:
-        panel.set_xlabel(name if curve.unit == "1" else f"{name} [{unit(curve.unit)}]")
+        panel.set_xlabel(along)
         panel.set_xscale("log" if curve.view in LOGARITHMIC else "linear")
         if not curve.signed:
             panel.set_yscale("symlog", linthresh=LINEAR)
@@ -139,7 +149,7 @@ def place(found: Discovery, alpha: float, key: tuple[str, str]) -> Figure:
         panel.set_title(f"with the {title}")
         if key in tests:
             _view(panel, tests[key], alpha, colour, f"{1 - alpha:.0%} of simulations, {title}")
-            _marked(panel, [one for one in places if (one.view, one.axis) == key])
+            _marked(panel, [one for one in places if (one.view, one.axis) == key], tests[key].curve)
         else:
             panel.text(0.5, 0.5, "explained by what the axes share", ha="center", transform=panel.transAxes)
     _scaled(panels, before[key].curve)

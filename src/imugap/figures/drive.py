@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from imugap.figures.style import WIDTH, NotebookFigure, card, decades, label_lowest, legend_below, panels_of
+from imugap.figures.style import WIDTH, NotebookFigure, card, decades, label_lowest, legend_below, panels_of, time_axis
 from imugap.filters.innovation_gate import ACCEPTED, InnovationRecord
 from imugap.io import gnss
 from imugap.log import AXES
@@ -59,7 +59,7 @@ def motion(filtered: DriveSolution, smoothed: DriveSolution) -> Figure:
         for panel, title in zip(panels, titles, strict=True):
             panel.set_title(title)
         _over_time(panels, filtered, smoothed, name)
-    label_lowest(grid, "time [s]")
+    label_lowest(grid, _clock(filtered)[1])
     legend_below(figure, 2)
     return figure
 
@@ -70,7 +70,7 @@ def over_time(filtered: DriveSolution, smoothed: DriveSolution, name: str) -> Fi
     _over_time(panels, filtered, smoothed, name)
     for panel, title in zip(panels, OVER_TIME[name], strict=True):
         panel.set_ylabel(title)
-    panels[-1].set_xlabel("time [s]")
+    panels[-1].set_xlabel(_clock(filtered)[1])
     legend_below(figure, 2)
     return figure
 
@@ -89,7 +89,7 @@ def _over_time(panels: Sequence[Axes], filtered: DriveSolution, smoothed: DriveS
             "heading": (np.degrees(np.unwrap(table["heading"])), np.degrees(std["heading"])),
         }
         for panel, values in zip(panels, drawn[name], strict=True):
-            panel.plot(table.index.to_numpy(), values, color=colour, lw=0.8, label=label)
+            panel.plot(table.index.to_numpy() - _clock(filtered)[0], values, color=colour, lw=0.8, label=label)
     decades(panels[1])
 
 
@@ -99,7 +99,7 @@ def sensors(filtered: DriveSolution, smoothed: DriveSolution) -> Figure:
     for axis, panel in zip(AXES, grid.flat, strict=True):
         panel.set_title(_error_title(axis))
         _sensor(panel, filtered, smoothed, axis)
-    label_lowest(grid, "time [s]")
+    label_lowest(grid, _clock(filtered)[1])
     legend_below(figure, 2)
     return figure
 
@@ -108,7 +108,7 @@ def sensor(filtered: DriveSolution, smoothed: DriveSolution, axis: str) -> Figur
     """Draw the estimated error of one axis over time, with its standard deviation, as wide as a phone."""
     figure, (panel,) = card(2.0)
     _sensor(panel, filtered, smoothed, axis)
-    panel.set(ylabel=_error_title(axis), xlabel="time [s]")
+    panel.set(ylabel=_error_title(axis), xlabel=_clock(filtered)[1])
     legend_below(figure, 2)
     return figure
 
@@ -123,7 +123,7 @@ def _sensor(panel: Axes, filtered: DriveSolution, smoothed: DriveSolution, axis:
     _, factor = UNITS[axis.split("_")[0]]
     for one, colour, label in ((filtered, FILTER, "filter"), (smoothed, SMOOTHER, "smoother")):
         every = _every(one)
-        time = one.time.to_numpy()[::every]
+        time = one.time.to_numpy()[::every] - _clock(filtered)[0]
         values, spread = (factor * table[axis].to_numpy()[::every] for table in (one.sensors, one.sensors_std))
         panel.fill_between(time, values - spread, values + spread, color=colour, lw=0, alpha=0.25)
         panel.plot(time, values, color=colour, lw=0.8, label=label)
@@ -135,7 +135,7 @@ def quality(solution: DriveSolution) -> Figure:
     shown = np.flatnonzero(np.isfinite(record.innovation).any(axis=0))
     figure, grid = panels_of(len(shown) + 1, 1, 0.85 * len(shown) + 1.6, sharex=True)
     for panel, i in zip(grid[:, 0], shown, strict=False):
-        _component(panel, solution.fix_time, record, int(i))
+        _component(panel, solution.fix_time - _clock(solution)[0], record, int(i))
         if solution.quality.component is not None:
             for sign in (-1, 1):
                 panel.axhline(sign * solution.quality.component, color="black", lw=0.6, ls=":")
@@ -155,16 +155,13 @@ def global_test(solution: DriveSolution) -> Figure:
 
 def _global_test(panel: Axes, solution: DriveSolution) -> None:
     record, limits = solution.record, solution.quality.limits(len(gnss.COMPONENTS))
-    panel.plot(solution.fix_time, record.statistic, ".", color=FILTER, ms=2.5, label="taken as it is")
-    panel.plot(solution.fix_time, limits[record.freedom], color="black", lw=0.6, ls=":")
-    panel.plot(
-        solution.fix_time[record.reset], record.statistic[record.reset], "v", color="black", ms=5, label="soft reset"
-    )
+    time = solution.fix_time - _clock(solution)[0]
+    panel.plot(time, record.statistic, ".", color=FILTER, ms=2.5, label="taken as it is")
+    panel.plot(time, limits[record.freedom], color="black", lw=0.6, ls=":")
+    panel.plot(time[record.reset], record.statistic[record.reset], "v", color="black", ms=5, label="soft reset")
     doubted = record.position_use != ACCEPTED
-    panel.plot(
-        solution.fix_time[doubted], record.statistic[doubted], ".", color=OFFSET, ms=4, label="place not trusted"
-    )
-    panel.set(ylabel="global", yscale="log", xlabel="time [s]")
+    panel.plot(time[doubted], record.statistic[doubted], ".", color=OFFSET, ms=4, label="place not trusted")
+    panel.set(ylabel="global", yscale="log", xlabel=_clock(solution)[1])
 
 
 def _component(panel, time: np.ndarray, record: InnovationRecord, number: int) -> None:
@@ -187,3 +184,8 @@ def _component(panel, time: np.ndarray, record: InnovationRecord, number: int) -
 
 def _every(solution: DriveSolution) -> int:
     return -(-len(solution.time) // POINTS)
+
+
+def _clock(solution: DriveSolution) -> tuple[float, str]:
+    """Return the instant from which time is drawn [s], and the label of the axis."""
+    return time_axis(*solution.trajectory.index[[0, -1]])

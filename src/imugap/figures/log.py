@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from imugap.figures.style import card, panels_of
+from imugap.figures.style import card, panels_of, time_axis
 from imugap.log import ACCEL, AXES, GYRO, TEMPERATURE
 
 STRETCHES = 600
@@ -30,7 +30,7 @@ def samples(log: pd.DataFrame) -> Figure:
     panels = iter(grid[:, 0])
     for one in shown:
         _quantity(list(islice(panels, len(one[0]))), log, *one)
-    grid[-1, 0].set_xlabel("time [s]")
+    grid[-1, 0].set_xlabel(time_axis(*log.index[[0, -1]])[1])
     return figure
 
 
@@ -40,7 +40,7 @@ def quantities(log: pd.DataFrame) -> list[tuple[str, Figure]]:
     for names, label, factor in _quantities(log):
         figure, panels = card(0.8 * len(names) + 0.6, rows=len(names), sharex=True)
         _quantity(panels, log, names, label, factor)
-        panels[-1].set_xlabel("time [s]")
+        panels[-1].set_xlabel(time_axis(*log.index[[0, -1]])[1])
         found.append((label.partition(" [")[0], figure))
     return found
 
@@ -52,9 +52,11 @@ def _quantities(log: pd.DataFrame) -> list[tuple[Sequence[str], str, float]]:
 
 
 def _quantity(panels: Sequence[Axes], log: pd.DataFrame, names: Sequence[str], label: str, factor: float) -> None:
+    time = log.index.to_numpy(float)
+    time = time - time_axis(time[0], time[-1])[0]
     for panel, name in zip(panels, names, strict=True):
-        panel.plot(*_extremes(log.index.to_numpy(float), factor * log[name].to_numpy(float)), color=COLOUR, lw=0.5)
-        panel.set(ylabel=name[-1] if name in AXES else "", xlim=(log.index[0], log.index[-1]))
+        panel.plot(*_extremes(time, factor * log[name].to_numpy(float)), color=COLOUR, lw=0.5)
+        panel.set(ylabel=name[-1] if name in AXES else "", xlim=(time[0], time[-1]))
     panels[0].set_title(label, loc="left")
 
 

@@ -65,6 +65,15 @@ def legend_below(figure: Figure, columns: int) -> None:
     figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=columns)
 
 
+def time_axis(begin: float, end: float) -> tuple[float, str]:
+    """Return the instant from which time is drawn [s], and the label of the axis, which states it.
+
+    It is the begin of what is drawn, ``begin`` to ``end`` [s], where that is later than it is long, as stamps since
+    1970 are; else zero.
+    """
+    return (begin, f"time since {begin:.10g} s [s]") if begin > end - begin else (0.0, "time [s]")
+
+
 def label_lowest(grid: np.ndarray, text: str) -> None:
     """Label the horizontal axes of the lowest row of panels, shape (rows, columns)."""
     for panel in grid[-1]:

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from imugap.figures.style import WIDTH, NotebookFigure, card, legend_below, panels_of
+from imugap.figures.style import WIDTH, NotebookFigure, card, legend_below, panels_of, time_axis
 from imugap.filters.zero_velocity import MOVING
 from imugap.navigation.pedestrian import WalkSolution
 
@@ -50,7 +50,7 @@ def height(solution: WalkSolution) -> Figure:
     figure, grid = panels_of(3, 1, 5.0, sharex=True)
     for panel, name in zip(grid[:, 0], OVER_TIME, strict=True):
         _over_time(panel, solution, name)
-    grid[2, 0].set_xlabel("time [s]")
+    grid[2, 0].set_xlabel(_clock(solution)[1])
     legend_below(figure, 2)
     return figure
 
@@ -59,7 +59,7 @@ def over_time(solution: WalkSolution, name: str) -> Figure:
     """Draw one of :data:`OVER_TIME` over time, as wide as a phone."""
     figure, (panel,) = card(2.0)
     _over_time(panel, solution, name)
-    panel.set_xlabel("time [s]")
+    panel.set_xlabel(_clock(solution)[1])
     if name == "speed":
         legend_below(figure, 2)
     return figure
@@ -69,7 +69,7 @@ def _over_time(panel: Axes, solution: WalkSolution, name: str) -> None:
     """Draw height or heading with its standard deviation, or the speed with the stances."""
     every = _every(solution)
     table, std = solution.trajectory[::every], solution.trajectory_std[::every]
-    time = table.index.to_numpy()
+    time = table.index.to_numpy() - _clock(solution)[0]
     if name == "speed":
         values = np.linalg.norm(table[["vel_n", "vel_e", "vel_d"]], axis=1)
         panel.plot(time, values, color=COLOUR, lw=0.6, label="speed")
@@ -81,6 +81,10 @@ def _over_time(panel: Axes, solution: WalkSolution, name: str) -> None:
         panel.fill_between(time, values - spread, values + spread, color=COLOUR, lw=0, alpha=0.25)
         panel.plot(time, values, color=COLOUR, lw=0.7)
     panel.set(ylabel=OVER_TIME[name], xlim=(time[0], time[-1]))
+
+
+def _clock(solution: WalkSolution) -> tuple[float, str]:
+    return time_axis(*solution.trajectory.index[[0, -1]])
 
 
 def _every(solution: WalkSolution) -> int:

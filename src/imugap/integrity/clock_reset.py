@@ -1,7 +1,7 @@
 """Resets of the clock of a log: counters that wrap, clocks that are set back, runs that begin anew.
 
 Stamps are in seconds, in the order of the rows. A wrapped counter is unwrapped and a clock that was set back by less
-than :data:`SET_BACK_S` is continued; a larger step back begins another run, which is refused.
+than :data:`SET_BACK_S`, or by an hour, is continued; another step back begins another run, which is refused.
 """
 
 from collections.abc import Callable
@@ -16,8 +16,10 @@ UNITS = {1.0: "s", 1e-1: "0.1 s", 1e-2: "10 ms", 1e-3: "ms", 1e-4: "0.1 ms", 1e-
 """Units in which counters count."""
 BITS = (16, 24, 32)
 """Widths of counters."""
-CALENDAR = {86400.0: "a time of day", 604800.0: "a time of the GPS week"}
-"""Periods of other clocks that begin anew [s]."""
+CALENDAR = {3600.0: "a time of the hour", 86400.0: "a time of day", 604800.0: "a time of the GPS week"}
+"""Periods of clocks that count from zero and begin anew [s]."""
+HOUR_S = 3600.0
+"""Time by which local clocks are set back at the end of daylight saving."""
 NEAR = (0.2, 5.0)
 """Range of the step over a wrap, in median steps and in long ones."""
 WINDOW = 64
@@ -75,13 +77,21 @@ def _wrap(time: np.ndarray, steps: np.ndarray) -> tuple[float, str] | None:
     back, ahead = -steps[steps < 0], steps[steps > 0]
     usual, long = float(np.median(ahead)), float(np.quantile(ahead, 0.99))
     named = {2.0**bits * unit: f"a counter of 2^{bits} {text}" for unit, text in UNITS.items() for bits in BITS}
-    named |= {2.0**bits * usual: f"a counter of 2^{bits} samples" for bits in BITS} | CALENDAR
+    named |= {2.0**bits * usual: f"a counter of 2^{bits} samples" for bits in BITS}
+    amid = time.min() >= 0 and time[0] > WINDOW * usual  # a run that begins at zero may begin there again
+    named |= {period: name for period, name in CALENDAR.items() if amid and time.max() <= period}
     reach = float(np.ptp(time))
     for period, name in named.items():
         over = period - back
         if reach <= period < 2 * back.min() and over.min() > NEAR[0] * usual and over.max() < NEAR[1] * long:
             return period, name
     return None
+
+
+def _is_hour(shift: float, time: np.ndarray, at: int, usual: float) -> bool:
+    """Return whether a local clock was set back by an hour at row ``at``, and no run begins anew at the first stamp."""
+    begins_anew = abs(time[at] - time[0]) < WINDOW * usual
+    return abs(shift + HOUR_S) < SET_BACK_S and not begins_anew
 
 
 def _without_corrections(time: np.ndarray, rows: np.ndarray, place: Callable[[int], str]) -> Continued:
@@ -98,7 +108,7 @@ def _without_corrections(time: np.ndarray, rows: np.ndarray, place: Callable[[in
         shift = np.median(levels[1]) - np.median(levels[0])
         if shift > -max(SHIFTED * usual, SCATTERED * max(map(np.std, levels))):
             continue
-        if shift < -min(SET_BACK_S, SET_BACK_SHARE * np.ptp(finite)):
+        if shift < -min(SET_BACK_S, SET_BACK_SHARE * np.ptp(finite)) and not _is_hour(shift, finite, at, usual):
             found = (
                 f"{time[rows[at]]:.10g} s after {time[rows[at - 1]]:.10g} s: another run begins there; split the file"
             )
@@ -109,5 +119,6 @@ def _without_corrections(time: np.ndarray, rows: np.ndarray, place: Callable[[in
         return Continued(time)
     largest = max(size for _, size in set_back)
     count = f"{len(set_back)} times, first" if len(set_back) > 1 else "once,"
-    remark = f"the clock was set back {count} at {place(set_back[0][0])}, by up to {largest:.3g} s: continued evenly"
+    size = f"up to {largest:.3g} s" if largest < HOUR_S / 2 else "an hour (end of daylight saving?)"
+    remark = f"the clock was set back {count} at {place(set_back[0][0])}, by {size}: continued evenly"
     return Continued(_replaced(time, rows, finite), (remark,))

@@ -32,7 +32,7 @@ from imugap.io.recognition import column_names, frame, samples, stamps
 from imugap.io.recognition.column_names import SKIP, Assignment
 from imugap.io.recognition.conversion import Conversion, asked, conversion
 from imugap.io.recognition.settings import DEFAULTS, RecordingSettings
-from imugap.io.rows import advances, require_numbers, require_order, require_range
+from imugap.io.rows import advances, require_numbers, require_order, require_range, without_filler
 from imugap.io.split_stamps import with_stamps
 from imugap.log import AXES, TIME, LogError, check
 
@@ -209,6 +209,7 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
     source = _of_rows(source, selection, settings)
     block, raw = source.load(selection.places, selection.stamp)
     columns = list(selection.assignment.columns)
+    filler = _without_filler(block, selection)
     _require_sound(source, dict(zip(columns, block, strict=True)), raw)
     parts = [(block[:, rows], None if raw is None else raw[rows]) for rows in stretches_of(block.shape[1])]
     _require_one_device(source, parts, selection, settings)
@@ -218,11 +219,23 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
     excerpt = dict(zip(columns, samples.excerpt(list(block)).T, strict=True))
     found = _conversion(selection, excerpt, raw, settings)
     time = found.apply(dict(zip(columns, block, strict=True)), raw)
-    said = found.recognised + _left_out(selection)
+    said = (*found.recognised, *_left_out(selection), *_filled(filler, source))
     if said or not selection.assignment.contract or settings.columns or source.notes:
         said = (f"{found.rate_hz:.5g} Hz", f"{len(time):,} samples".replace(",", " "), *source.notes, *said)
     table = table.set_index(pd.Index(time, name=TIME))
     return Recording(source.path, table, said, found.weightless, found.frame, source.place)
+
+
+def _without_filler(block: np.ndarray, selection: Selection) -> np.ndarray:
+    """Write NaN where all six axes hold one number, shape (columns, n); return these rows."""
+    return without_filler(block, selection.inertial) if len(selection.inertial) == len(AXES) else np.empty(0, int)
+
+
+def _filled(rows: np.ndarray, source: Source) -> tuple[str, ...]:
+    """Return what became of rows of one number, a sentence; none where there are none."""
+    if not len(rows):
+        return ()
+    return (f"{len(rows)} rows of one number on all axes, first at {source.place(int(rows[0]))}: lost",)
 
 
 def _require_sound(source: Source, columns: dict[str, np.ndarray], raw: np.ndarray | None) -> None:
@@ -272,7 +285,10 @@ def _stretches(source: Source, selection: Selection) -> list[tuple[np.ndarray, n
             kept.append([values[: samples.STRETCH].copy() for values in batch])
             due = [one for one in due if one >= row]
     stamps = [None if selection.stamp is None else one.pop() for one in kept]
-    return list(zip([np.array(one, float) for one in kept], stamps, strict=True))
+    blocks = [np.array(one, float) for one in kept]
+    for block in blocks:
+        _without_filler(block, selection)
+    return list(zip(blocks, stamps, strict=True))
 
 
 def _parts(source: Source, selection: Selection, found: Conversion) -> Iterator[pd.DataFrame]:
@@ -280,6 +296,7 @@ def _parts(source: Source, selection: Selection, found: Conversion) -> Iterator[
     for batch in source.all_batches(selection.places, selection.stamp):
         raw = None if selection.stamp is None else batch.pop()
         block = np.array(batch, float)
+        _without_filler(block, selection)
         values = dict(zip(columns, block, strict=True))
         stamped = {} if raw is None else {TIME: raw}
         require_range(stamped | values, source.path, lambda number, first=row: source.place(first + number))

@@ -1,6 +1,6 @@
 """Rows of a table as read: in order of time, and numbers."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +34,23 @@ def require_numbers(table: pd.DataFrame, path: Path, place: Callable[[int], str]
     if len(rows):
         found = f"{table.iat[rows[0], columns[0]]} ({_counted(np.unique(rows))})"
         raise LogError(path, f"{place(int(rows[0]))}, column {table.columns[columns[0]]}", "a finite number", found)
+
+
+def without_filler(block: np.ndarray, inertial: Sequence[int]) -> np.ndarray:
+    """Write NaN where all axes hold one number but zero, as loggers write it for no sample; return these rows.
+
+    Parameters
+    ----------
+    block
+        Samples in the units of the file, shape (columns, n).
+    inertial
+        Columns of the inertial axes; gyroscopes and accelerometers, of which no sample has one number on all.
+    """
+    first = block[inertial[0]]
+    filler = (first != 0) & np.logical_and.reduce([block[k] == first for k in inertial[1:]])
+    rows = np.flatnonzero(filler)
+    block[:, rows] = np.nan
+    return rows
 
 
 def require_range(columns: Mapping[str, np.ndarray], path: Path, place: Callable[[int], str]) -> None:

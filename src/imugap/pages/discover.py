@@ -37,10 +37,16 @@ FILTER_SIDE: Mapping[Role, str] = {
     Role.VARIANCE: "let the noise of the filter follow it, or take the larger level.",
     Role.BIAS: "give the filter a bias state.",
     Role.RUN: "it is the initial standard deviation of the bias state.",
-    Role.OUTPUT: "leave out the samples that it spoils; rounding is noise of the variance step squared / 12.",
+    Role.OUTPUT: "leave out the samples that it spoils, or weigh them down.",
     Role.CLOCK: "correct the stamps before the filter.",
 }
 """What an effect of each role means to a filter."""
+ROUNDED = (
+    "keep all samples. Where the noise is half a step or more, rounding is white noise of the variance step squared / "
+    "12, which `estimate` has in its white noise already: add nothing. Where it is less, the mean is known to half a "
+    "step: give the bias state this as its standard deviation, and take a finer range of the sensor if there is one."
+)
+"""What rounding means to a filter."""
 DISTANCE = (
     "A distance compares the held-out data with simulations of a model, in units of the scatter of these simulations: "
     "1 is as like as two runs of the same model. The grey floor is where two runs of the final model lie; the final "
@@ -113,8 +119,14 @@ def _finding(one: Finding) -> Iterable[Block]:
     yield Text(f"{certainty(one).capitalize()}.")
     yield Text("In the simulator: add to the model")
     yield Snippet(text(ErrorModel({axis: AxisModel((own,)) for axis, own in one.effects.items()})))
-    if effect.role in FILTER_SIDE:
-        yield Text(f"In the filter: {FILTER_SIDE[effect.role]}")
+    meaning = in_filter(effect)
+    if meaning is not None:
+        yield Text(f"In the filter: {meaning}")
+
+
+def in_filter(effect: Effect) -> str | None:
+    """Return what an effect means to a filter, None where nothing is said."""
+    return ROUNDED if effect.rounds else FILTER_SIDE.get(effect.role)
 
 
 def _nameless(nameless: NamelessNoise | None, rule: Rule) -> Iterable[Block]:

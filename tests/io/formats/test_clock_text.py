@@ -25,6 +25,7 @@ TIMES = {
     "12:00:00 AM": 0,
     "12:00:00 PM": 12 * 3600 * SECOND,
     "10:02:03:250": OF_DAY,
+    "02:03.25": (2 * 60 + 3) * SECOND + SECOND // 4,
     "0.25 sec": SECOND // 4,
     "1.5 ms": 1_500_000,
 }
@@ -66,3 +67,15 @@ def test_a_leap_second_is_named(tmp_path):
     path.write_text("\n".join([",".join(["time", *AXES]), *rows]) + "\n")
     with pytest.raises(LogError, match="line 562, column time: expected a value as in the rows above; found '2016"):
         read(path)
+
+
+def test_minutes_and_seconds_go_on_over_the_hour(tmp_path):
+    samples = at_rest(3000, up=(0, 0, -1))
+    path = tmp_path / "run.csv"
+    hundredths = 359_000 + np.arange(len(samples))
+    rows = [f"{k // 6000 % 60:02d}:{k // 100 % 60:02d}.{k % 100:02d}," for k in hundredths.tolist()]
+    lines = [row + ",".join(map(str, values)) for row, values in zip(rows, samples.tolist(), strict=True)]
+    path.write_text("\n".join([",".join(["time", *AXES]), *lines, ""]))
+    found = read(path).regular
+    assert found.interval == pytest.approx(0.01)
+    assert str(found.remarks[0]) == "a time of the hour wraps every 3600 s, once, first at line 1002: unwrapped"

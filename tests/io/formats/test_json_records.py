@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from tests.io.devices import at_rest, times
+from tests.io.devices import at_rest, times, turned
 
 from imugap.io.recording import RecordingSettings, read
 from imugap.log import AXES, LogError
@@ -98,3 +98,33 @@ def test_other_json_is_refused(tmp_path, text):
     path.write_text(text)
     with pytest.raises(LogError, match="expected"):
         read(path)
+
+
+def device_motion(samples):
+    """Events of W3C DeviceMotion of a browser on Android: accelerations, and rates in deg/s."""
+    for k, values in enumerate(samples.tolist()):
+        rates = np.degrees(values[:3]).tolist()
+        yield {
+            "timeStamp": 10.0 * k, "interval": 10, "acceleration": {"x": 0.01, "y": 0.0, "z": -0.02},
+            "accelerationIncludingGravity": dict(zip("xyz", values[3:], strict=True)),
+            "rotationRate": dict(zip(("alpha", "beta", "gamma"), rates, strict=True)),
+        }  # fmt: skip
+
+
+def test_events_of_a_browser_have_gravity_and_degrees_and_their_sign_is_asked_for(tmp_path):
+    path = tmp_path / "motion.json"
+    samples = turned(COUNT * 2)
+    path.write_text(json.dumps(list(device_motion(samples))))
+    with pytest.raises(LogError, match=r"accel=m/s\^2, or accel=-m/s\^2 of iOS, decides"):
+        read(path)
+    for unit, sign in (("m/s^2", 1), ("-m/s^2", -1)):
+        found = read(path, RecordingSettings(units={"accel": unit}, frame="as-is"))
+        np.testing.assert_allclose(found.log.to_numpy(), samples * [1, 1, 1, sign, sign, sign], rtol=1e-9)
+        assert "gyro deg/s -> rad/s from the header" in found.recognised
+
+
+def test_rates_of_a_browser_about_z_x_and_y_are_refused(tmp_path):
+    path = tmp_path / "motion.json"
+    path.write_text(json.dumps(list(device_motion(turned(COUNT * 2)[:, [2, 0, 1, 3, 4, 5]]))))
+    with pytest.raises(LogError, match="gravity turns as with gyro_y, gyro_z, gyro_x"):
+        read(path, RecordingSettings(units={"accel": "m/s^2"}))

@@ -198,3 +198,50 @@ def test_a_time_in_words_that_are_none_gives_way_to_another(tmp_path):
     rows = [",".join(["now", *(f"{value:.9g}" for value in row)]) for row in samples()]
     (tmp_path / "run.csv").write_text("\n".join([",".join(["timestamp", "elapsed (s)", *AXES]), *rows]) + "\n")
     np.testing.assert_allclose(read(tmp_path / "run.csv").log.index, times(COUNT))
+
+
+def test_decimal_commas_in_quotes_between_commas_are_read(tmp_path):
+    table = samples()
+    path = tmp_path / "run.csv"
+    rows = [",".join(f'"{value:.9f}"'.replace(".", ",") for value in row) for row in table.tolist()]
+    path.write_text("\n".join([",".join(NAMES), *rows, ""]))
+    np.testing.assert_allclose(read(path).log.to_numpy(), table[:, 1:], atol=1e-9)
+
+
+def test_commas_between_thousands_are_refused_with_their_line(tmp_path):
+    rows = [f'{k / 100:.2f},{k % 7}.5,0.1,0.2,0.3,0.4,"1,00{k % 7}.25"' for k in range(COUNT)]
+    path = tmp_path / "run.csv"
+    path.write_text("\n".join([",".join(NAMES), *rows, ""]))
+    with pytest.raises(LogError, match=r"line 2, column accel_z: expected a number; found '1,000.25'"):
+        read(path)
+
+
+def test_lines_of_one_word_between_names_and_units_are_no_names(tmp_path):
+    names = ["Time", *(f"{sensor} {axis}" for sensor in ("Gyro", "Accel") for axis in "XYZ")]
+    above = ["sep=,", ",".join(["Device"] * 7), ",".join(names), ",".join(["CAL"] * 7)]
+    units = ["mSecs", *["deg/sec"] * 3, *["m/(sec^2)"] * 3]
+    table = samples() * [1e3, *[1] * 6]
+    found = read(write_text(tmp_path / "run.csv", units, table, before=above), RecordingSettings(frame="as-is"))
+    np.testing.assert_allclose(found.log["gyro_x"], np.radians(table[:, 1]), rtol=1e-8)
+
+
+def test_a_line_with_bytes_that_are_no_text_is_refused_with_its_number(tmp_path, capfd):
+    path = write_text(tmp_path / "run.csv", NAMES, samples())
+    lines = path.read_bytes().split(b"\n")
+    path.write_bytes(b"\n".join([*lines[:300], b"0.01,0.0\x80\x92\xff", *lines[300:]]))
+    with pytest.raises(LogError, match=r"line 301: expected 7 values"):
+        read(path)
+    assert "Exception ignored" not in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("filler", ["-999", "9999.0"])
+def test_rows_of_one_number_on_all_axes_are_lost_and_that_is_said(tmp_path, filler):
+    path = write_text(tmp_path / "run.csv", NAMES, samples())
+    lines = path.read_text().splitlines()
+    for k in (40, 41, 300):
+        lines[k] = ",".join([lines[k].partition(",")[0], *[filler] * 6])
+    path.write_text("\n".join([*lines, ""]))
+    found = read(path)
+    assert found.recognised[-1] == "3 rows of one number on all axes, first at line 41: lost"
+    assert found.table["accel_z"].isna().sum() == 3
+    assert found.table["accel_z"].abs().max() < 11

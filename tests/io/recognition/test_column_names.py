@@ -38,6 +38,12 @@ HEADERS = {
          *triad("GYROSCOPE {0} (rad/s)"), "Time since start in ms "],
         "rad/s", "m/s^2",
     ),
+    "DeviceMotion": (
+        ["timeStamp", *triad("acceleration.{1}"), *triad("accelerationIncludingGravity.{1}"),
+         *(f"rotationRate.{letter}" for letter in ("alpha", "beta", "gamma"))],
+        "deg/s", None,
+    ),
+    "NaveGo": (["imu.t", *triad("imu.fb_{1}"), *triad("imu.wb_{1}")], None, None),
     "Physics Toolbox": (["time", *triad("gF{1}"), *triad("w{1}")], None, None),
     "Arduino": (["t", *triad("a{1}"), *triad("g{1}"), *triad("m{1}")], None, None),
     "rocket": (
@@ -155,3 +161,18 @@ def test_a_unit_that_is_not_known_is_kept_and_one_of_another_quantity_is_of_no_s
 @pytest.mark.parametrize("name", ["GpsTow", "SOW", "iTOW", "Zeit", "X_Value"])
 def test_times_of_a_week_and_of_other_languages_are_times(name):
     assert assign([name, *AXES]).times == (name,)
+
+
+def test_forces_in_g_are_no_rates():
+    assert set(assign(["time", *triad("gForce{0}"), *triad("rot{0}")]).columns) == set(ACCEL)
+
+
+def test_of_accelerations_with_and_without_gravity_those_with_it_are_taken():
+    found = assign(["t", *triad("acceleration.{1}"), *triad("accelerationIncludingGravity.{1}")])
+    assert found.columns["accel_x"] == "accelerationIncludingGravity.x"
+    assert found.unsigned
+    assert not found.free
+
+
+def test_letters_without_a_rate_are_angles():
+    assert set(assign(["t", "alpha", "beta", "gamma", *triad("acc{0}")]).columns) == set(ACCEL)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from tests.io.devices import at_rest, times, write_text
 
-from imugap.io.recognition.stamps import seconds, unit_of_fine, unit_of_stamps
+from imugap.io.recognition.stamps import are_clock_numbers, seconds, unit_of_fine, unit_of_stamps
 from imugap.io.recording import read
 from imugap.log import AXES, LogError
 from imugap.units import factor
@@ -94,3 +94,24 @@ def test_times_of_day_are_stamps(tmp_path, mark):
     path.write_text("\n".join([*lines[:300], "noon" + lines[300][lines[300].index(";") :], *lines[301:], ""]))
     with pytest.raises(LogError, match="line 301, column time: expected a value as in the rows above; found 'noon'"):
         read(path)
+
+
+@pytest.mark.parametrize("begin", [951_000_000, 1_200_000_000, 4_000_000_000])
+def test_microseconds_since_power_on_are_no_seconds_of_a_year(begin):
+    assert unit_of_stamps(begin + 5000 * np.arange(1000), contract=True) == ("us", "the rate")
+
+
+@pytest.mark.parametrize(
+    ("begin", "per_second", "unit"),
+    [(45_413.5, 1 / 86_400, "d"), (739_000.5, 1 / 86_400, "d"), (1.335e17, 1e7, "100ns"), (6.385e17, 1e7, "100ns")],
+    ids=["spreadsheet", "MATLAB", "Windows", ".NET"],
+)
+def test_clocks_of_programs_are_known_by_their_year(begin, per_second, unit):
+    time = begin + np.arange(1000) / 100 * per_second
+    assert unit_of_stamps(time.astype(np.int64) if per_second > 1 else time, contract=False) == (unit, "the year")
+
+
+def test_numbers_of_a_clock_go_from_59_s_to_the_next_minute():
+    hhmmss = [100_000 + 100 * (k // 60) + k % 60 for k in range(200)]
+    assert are_clock_numbers(np.array(hhmmss))
+    assert not are_clock_numbers(np.random.default_rng(1).permutation(6000) / 100)

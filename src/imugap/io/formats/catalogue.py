@@ -3,21 +3,30 @@
 from pathlib import Path
 
 from imugap.io.formats import (
+    ardupilot_text,
     arrays,
+    compression,
     dataflash,
     gnss_ins_sim,
     json_records,
+    labelled_lines,
     parquet,
+    ros_echo,
     rosbag,
     sensor_files,
+    serial_monitor,
     tagged_lines,
     text,
     ulog,
+    unread,
 )
 from imugap.io.formats.source import Source, require_file, whole_file
 from imugap.log import LogError
 
-FORMATS = (parquet, rosbag, ulog, dataflash, arrays, gnss_ins_sim, sensor_files, json_records, tagged_lines, text)
+FORMATS = (
+    parquet, rosbag, ulog, dataflash, arrays, unread, gnss_ins_sim, sensor_files, json_records, ardupilot_text,
+    serial_monitor, ros_echo, tagged_lines, labelled_lines, text,
+)  # fmt: skip
 HEAD_BYTES = 512
 
 
@@ -29,6 +38,9 @@ def open_source(path: Path, settings) -> Source:
         if one.recognises(path, head):
             with whole_file(path):
                 return one.open_source(path, settings)
+    if compression.recognises(head):
+        with whole_file(path):
+            return compression.opened(path, head, lambda part: open_source(part, settings))
     raise LogError(path, "file", "a log in a known format", f"bytes that begin with {head[:16]!r}")
 
 

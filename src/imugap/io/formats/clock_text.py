@@ -1,4 +1,4 @@
-"""Times as texts: dates with a time of day, times of day alone, and lengths of time with their unit.
+"""Times as texts: dates with a time of day, times of day or of the hour alone, lengths of time with their unit.
 
 A date that begins with the year, or has the name of the month, counts from 1970. Of another the order of day and month
 is not known: its time of day is read, as of a text without a date, and a step back at midnight is one of the clock.
@@ -19,6 +19,8 @@ CLOCK = (
     r" *(?P<half>[AaPp][Mm])? *(?:Z|UTC|(?P<sign>[+-])(?P<zone_hours>\d\d):?(?P<zone_minutes>\d\d))?$"
 )
 """Date and time of day; milliseconds may stand behind a colon."""
+OF_HOUR = r"^(?P<minute>\d{1,2}):(?P<second>[0-5]\d)[.,](?P<rest>\d{1,9})\d*$"
+"""Minutes and seconds with a fraction, as spreadsheets show times."""
 LENGTH = r"^(?P<number>[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?) (?P<unit>ms|s|sec|min|hr)$"
 """Length of time, as tables of MATLAB have it."""
 NANOSECONDS = {"ms": 1e6, "s": 1e9, "sec": 1e9, "min": 60e9, "hr": 3600e9}
@@ -27,11 +29,11 @@ SECOND, DAY = 10**9, 86400 * 10**9
 
 def is_time(cell: str) -> bool:
     """Return whether a text is a time."""
-    return bool(re.match(CLOCK, cell) or re.match(LENGTH, cell))
+    return any(re.match(one, cell) for one in (CLOCK, OF_HOUR, LENGTH))
 
 
 def nanoseconds(cells: pa.Array) -> np.ndarray:
-    """Return times as texts in nanoseconds, shape (n,): since 1970, since midnight, or from zero.
+    """Return times as texts in nanoseconds, shape (n,): since 1970, since midnight, since the hour, or from zero.
 
     Raises
     ------
@@ -39,12 +41,15 @@ def nanoseconds(cells: pa.Array) -> np.ndarray:
         Where a text is no time of the kind of the first.
     """
     first = next((one for one in cells.to_pylist() if one is not None), "")
-    lengths = re.match(LENGTH, first) is not None
-    parts = pc.extract_regex(cells, LENGTH if lengths else CLOCK)
+    form = next((one for one in (LENGTH, OF_HOUR) if re.match(one, first)), CLOCK)
+    parts = pc.extract_regex(cells, form)
     if parts.null_count:
         at = int(np.flatnonzero(parts.is_null().to_numpy(zero_copy_only=False))[0])
         raise pa.ArrowInvalid(f"{cells[at].as_py()!r} is no time")
-    if lengths:
+    if form == OF_HOUR:
+        minute, second = (_whole(parts.field(name)) for name in ("minute", "second"))
+        return (minute * 60 + second) * SECOND + _fraction(parts)
+    if form == LENGTH:
         sizes = np.array([NANOSECONDS[one] for one in parts.field("unit").to_pylist()])
         return np.rint(parts.field("number").cast(pa.float64()).to_numpy() * sizes).astype(np.int64)
     return _days(parts) * DAY + _of_day(parts) - _zone(parts)
@@ -55,7 +60,12 @@ def _of_day(parts: pa.StructArray) -> np.ndarray:
     hour, minute, second = (_whole(parts.field(name)) for name in ("hour", "minute", "second"))
     half = np.array([one[:1].lower() for one in parts.field("half").to_pylist()], "U1")
     hour = np.where(half == "", hour, hour % 12 + 12 * (half == "p"))
-    return ((hour * 60 + minute) * 60 + second) * SECOND + _whole(pc.utf8_rpad(parts.field("rest"), 9, "0"))
+    return ((hour * 60 + minute) * 60 + second) * SECOND + _fraction(parts)
+
+
+def _fraction(parts: pa.StructArray) -> np.ndarray:
+    """Return the fraction of a second [ns]."""
+    return _whole(pc.utf8_rpad(parts.field("rest"), 9, "0"))
 
 
 def _days(parts: pa.StructArray) -> np.ndarray:

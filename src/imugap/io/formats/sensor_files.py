@@ -8,8 +8,6 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import numpy as np
-
 from imugap.io.formats import sensor_tables, text
 from imugap.io.formats.source import Source
 from imugap.log import LogError
@@ -41,7 +39,7 @@ def open_source(path: Path, settings) -> Source:
     """Return the samples of the gyroscopes and accelerometers; LogError where there are none of either."""
     with files(path) as found:
         if len(found) == 1 and not sensor_tables.has_sensors(found):
-            return _loaded(path, text.open_source(next(iter(found.values())), settings))
+            return text.loaded(path, text.open_source(next(iter(found.values())), settings))
         tables = {name: partial(text.open_source, one, None) for name, one in found.items()}
         return sensor_tables.joined(path, tables, _metadata(found), "files")
 
@@ -74,8 +72,3 @@ def _metadata(found: Mapping[str, Path]) -> dict[str, str]:
     with path.open(encoding="utf-8-sig", errors="replace", newline="") as handle:
         row = next(csv.DictReader(handle), {})
     return {name: text for name, text in row.items() if isinstance(name, str) and isinstance(text, str)}
-
-
-def _loaded(path: Path, source: Source) -> Source:
-    columns = [np.concatenate(parts) for parts in zip(*source.batches(range(len(source.names))), strict=True)]
-    return sensor_tables.in_memory(path, source.names, columns, source.notes, source.whole)

@@ -9,10 +9,11 @@ import csv
 import io
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pyarrow as pa
@@ -125,6 +126,42 @@ def open_source(path: Path, settings) -> Source:
     )
 
 
+def of_lines(path: Path, lines: Iterable[str]) -> Source:
+    """Return the columns of lines that hold a table within a file, in memory."""
+    with TemporaryDirectory() as folder:
+        part = Path(folder) / "lines.csv"
+        with part.open("w", encoding="utf-8") as handle:
+            handle.writelines(lines)
+        return loaded(path, open_source(part, None))
+
+
+def loaded(path: Path, source: Source) -> Source:
+    """Return the columns of a table in memory, numbers or else texts, as those of a file."""
+    columns = [_column(source, k) for k in range(len(source.names))]
+    return replace(
+        source,
+        path=path,
+        rows=len(columns[0]),
+        batches=lambda chosen: iter([[_as_numbers(columns[k]) for k in chosen]]),
+        place="row {}".format,
+        cells=lambda column: iter([columns[column].astype(str)]),
+    )
+
+
+def _column(source: Source, column: int) -> np.ndarray:
+    """Return a column as whole numbers where it is written so, as numbers, or else as texts."""
+    try:
+        values = np.concatenate([one for (one,) in source.batches([column])])
+    except LogError:
+        return np.concatenate(list(source.texts(column)))
+    return values.astype(np.int64) if source.names[column] in source.whole and np.isfinite(values).all() else values
+
+
+def _as_numbers(values: np.ndarray) -> np.ndarray:
+    """Return values; as numbers, texts are NaN."""
+    return values if values.dtype.kind in "iuf" else np.full(len(values), np.nan)
+
+
 def _lines(path: Path) -> int:
     """Return the number of lines, or a larger one."""
     for end in (b"\n", b"\r"):
@@ -154,7 +191,7 @@ def sniff(path: Path) -> Dialect:
     width = Counter(map(len, rows)).most_common(1)[0][0]
     names = _header(whole[:first], separator, width, all(not row[-1] for row in rows if len(row) == width))
     rate = _rate(whole[:first])
-    decimal = "," if any(COMMA_NUMBER.fullmatch(cell.strip()) for row in rows for cell in row) else "."
+    decimal = "," if _has_commas(rows) else "."
     header = whole[first - 1].strip() if first and any(names) else None
     return Dialect(encoding, separator, decimal, names, first, tuple(rows), width, _end(path, encoding), header, rate)
 
@@ -177,19 +214,26 @@ def _encoding(head: bytes) -> str:
     return "utf-8"
 
 
+def _has_commas(rows: list[tuple[str, ...]]) -> bool:
+    """Return whether numbers have a decimal comma; where others have a point, commas are between thousands."""
+    numbers = [cell for row in rows for cell in row if _is_number(cell)]
+    return any("," in one for one in numbers) and not any("." in one for one in numbers if "," not in one)
+
+
 def _cells(line: str, separator: str) -> list[str]:
     if separator == " ":
         return line.split()
     return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
 
 
-def _is_number(cell: str, separator: str = ";") -> bool:
-    return bool(NUMBER.fullmatch(cell) or (separator != "," and COMMA_NUMBER.fullmatch(cell)))
+def _is_number(cell: str) -> bool:
+    """Return whether a cell is a number; with a decimal comma between commas it stood in quotes."""
+    return bool(NUMBER.fullmatch(cell) or COMMA_NUMBER.fullmatch(cell))
 
 
-def _is_row(cells: list[str], separator: str) -> bool:
+def _is_row(cells: list[str]) -> bool:
     """Return whether cells are a row: two numbers or more, and a third of the cells that are not empty."""
-    numbers = sum(_is_number(cell, separator) for cell in cells)
+    numbers = sum(map(_is_number, cells))
     filled = sum(bool(cell) for cell in cells)
     return numbers >= min(2, max(filled, 1)) and 3 * numbers >= filled
 
@@ -197,19 +241,20 @@ def _is_row(cells: list[str], separator: str) -> bool:
 def _table(lines: list[str], separator: str) -> tuple[float, str, int, list[tuple[str, ...]]]:
     """Return how much of the lines is a table with this separator, and the first rows of it."""
     cells = [(number, _cells(line, separator)) for number, line in enumerate(lines) if line.strip()]
-    are_rows = [_is_row(row, separator) and not lines[number].lstrip().startswith(COMMENT) for number, row in cells]
+    are_rows = [_is_row(row) and not lines[number].lstrip().startswith(COMMENT) for number, row in cells]
     begins = [(cells[k][0], all(are_rows[k : k + FIRST_ROWS])) for k in np.flatnonzero(are_rows)]
     first = next((number for number, goes_on in begins if goes_on), begins[0][0] if begins else len(lines))
     rows = [tuple(row) for number, row in cells if number >= first][:SAMPLE_ROWS]
-    numbers = sum(_is_number(cell, separator) for row in rows for cell in row)
-    texts = sum(bool(cell) and not _is_number(cell, separator) for row in rows for cell in row)
+    numbers = sum(_is_number(cell) for row in rows for cell in row)
+    texts = sum(bool(cell) and not _is_number(cell) for row in rows for cell in row)
     return (numbers - texts) / max(len(rows), 1), separator, first, rows
 
 
 def _header(lines: list[str], separator: str, width: int, trailing: bool) -> tuple[str, ...]:
     """Return the names of the columns from the lines before the first row.
 
-    A line of units below the names is joined to them; names that repeat are joined to those of groups above them.
+    A line of units below the names is joined to them, and lines of one word between them are none of names; names that
+    repeat are joined to those of groups above them.
     ``trailing``: whether the rows end with a separator.
     """
     split = (_names(line.lstrip("\ufeff").strip(), separator, width) for line in lines)
@@ -218,7 +263,8 @@ def _header(lines: list[str], separator: str, width: int, trailing: bool) -> tup
         return ("",) * width
     names = rows[-1]
     if len(rows) > 1 and _are_units(names):
-        names = [f"{name} [{unit}]" if unit else name for name, unit in zip(rows[-2], names, strict=False)]
+        above = next((row for row in reversed(rows[:-1]) if len(set(row)) > 1), rows[-2])
+        names = [f"{name} [{unit}]" if unit else name for name, unit in zip(above, names, strict=False)]
     elif len(rows) > 1 and len(set(names)) < width == len(set(zip(rows[-2], names, strict=True))):
         names = [f"{group}.{name}" for group, name in zip(rows[-2], names, strict=True)]
     return tuple(names)
@@ -319,13 +365,13 @@ def _kind(dialect: Dialect, column: int) -> pa.DataType:
     return pa.float64()
 
 
-def _is_readable(cell: str, kind: pa.DataType, separator: str) -> bool:
+def _is_readable(cell: str, kind: pa.DataType) -> bool:
     """Return whether a cell is a value of the kind of its column."""
     if pa.types.is_string(kind):
         return clock_text.is_time(cell)
     if pa.types.is_timestamp(kind):
         return bool(STAMP.fullmatch(cell))
-    return _is_number(cell, separator)
+    return _is_number(cell)
 
 
 def _numbers(values: pa.Array) -> np.ndarray:
@@ -363,20 +409,22 @@ def _rest(path: Path, end: int) -> bytes:
 def _stream(path: Path, dialect: Dialect):
     """Return a stream of the whole lines of a text in which one character separates the values."""
     header = dialect.header.encode(dialect.encoding) if dialect.header and dialect.encoding != "utf-16" else None
-    source = WholeLines(path, dialect.end, blanks=dialect.separator == " ", header=header, head=dialect.first)
+    source = WholeLines(path, dialect, header)
     return pa.PythonFile(source, mode="r")
 
 
 class WholeLines(io.RawIOBase):
     """Stream of the lines of a text up to an end, without a header that stands again among them.
 
-    Where blanks separate the values, blanks and tabs are one blank, and there is none at the ends of lines.
+    Where blanks separate the values, blanks and tabs are one blank, and there is none at the ends of lines. Bytes that
+    are no text are replaced by a mark, which is in no number.
     """
 
-    def __init__(self, path: Path, end: int, blanks: bool, header: bytes | None, head: int) -> None:
-        """Open the text; ``blanks``: whether blanks separate the values; the first ``head`` lines have the header."""
-        self._source, self._left, self._blanks, self._rest = path.open("rb"), end, blanks, b""
-        self._header, self._head = header, head
+    def __init__(self, path: Path, dialect: Dialect, header: bytes | None) -> None:
+        """Open a text with a header in its first lines, or None."""
+        self._source, self._left, self._rest = path.open("rb"), dialect.end, b""
+        self._blanks, self._unicode = dialect.separator == " ", dialect.encoding.startswith("utf-8")
+        self._header, self._head = header, dialect.first
 
     def readable(self) -> bool:
         """Return True."""
@@ -387,6 +435,8 @@ class WholeLines(io.RawIOBase):
         if not self._rest:
             block = self._read(BLOCK_BYTES if size < 0 else size)
             block += self._until_line_end() if block else b""
+            if self._unicode and not block.isascii():
+                block = block.decode(errors="replace").encode()
             if self._header and self._header in block:
                 lines = enumerate(block.splitlines(keepends=True))
                 block = b"".join(line for k, line in lines if k < self._head or line.strip() != self._header)
@@ -428,7 +478,7 @@ def _diagnosis(path: Path, dialect: Dialect, columns: Sequence[int], cause: str)
                 expected = f"{width} values ({', '.join(filter(None, dialect.names))})"
                 return LogError(path, f"line {number}", expected, f"{len(cells)}: {line.strip()[:EXCERPT]!r}")
             for column in columns:
-                if cells[column] not in MISSING and not _is_readable(cells[column], kinds[column], dialect.separator):
+                if cells[column] not in MISSING and not _is_readable(cells[column], kinds[column]):
                     where = f"line {number}, column {names[column]}"
                     alike = pa.types.is_string(kinds[column]) or pa.types.is_timestamp(kinds[column])
                     expected = "a value as in the rows above" if alike else "a number"

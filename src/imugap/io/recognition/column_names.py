@@ -18,8 +18,9 @@ SKIP = "-"
 """Stands for a column that is not read."""
 TRIADS = {"gyro": GYRO, "accel": ACCEL}
 WORDS = {
-    "gyro": "gyro gyros gyr gyroscope gyroscopes omega rotation turn angrate gy rate rates pqr",
-    "accel": "accel accels accl acc accelerometer accelerometers acceleration accelerations specific ac gf xl alpha",
+    "gyro": "gyro gyros gyr gyroscope gyroscopes omega rotation turn angrate gy rate rates pqr wb",
+    "accel": "accel accels accl acc accelerometer accelerometers acceleration accelerations specific ac gf xl alpha "
+    "force gforce fb",
     TEMPERATURE: "temp temperature tmp temperatures",
     TIME: "time timestamp timestamps stamp ts elapsed epoch timeus utime times seconds tow sow itow zeit temps "
     "tempo tiempo tijd",
@@ -46,6 +47,8 @@ DERIVED = frozenset([
 """Words of samples that something else than the sensor had a part in."""
 FREE = frozenset(["free", "user"])
 """Words of accelerations without gravity."""
+GRAVITY, WITH = "gravity", frozenset(["including", "incl", "with"])
+"""Words of accelerations that say that gravity is in them."""
 OF_SENSOR, OF_HOST = (
     frozenset(["header", "sample", "fine", "sensor", "device"]),
     frozenset(["update", "log", "logging", "received", "receive", "recv", "host", "system", "arrival", "gps", "file"]),
@@ -53,6 +56,12 @@ OF_SENSOR, OF_HOST = (
 """Words of stamps that the sensor gave, and of those that something later gave."""
 CORE_MOTION = frozenset(["user", "acceleration"]), frozenset(["accelerometer", "acceleration"])
 """Words that names of Core Motion of Apple have together; in its accelerations gravity points down."""
+DEVICE_MOTION = frozenset(["including", "gravity"])
+"""Words of the accelerations of W3C DeviceMotion; in those of iOS gravity points down, in those of Android up
+(dorukeker/gyronorm.js issue 54)."""
+GREEK = {"alpha": "x", "beta": "y", "gamma": "z"}
+"""Axes of the rotation rate of W3C DeviceMotion, as browsers have them (w3c/deviceorientation issue 44), in deg/s."""
+ROTATION_RATE = frozenset(["rotation", "rate"])
 DELTA = frozenset(["delta", "d", "inc", "increment", "dtheta", "dv", "dvel", "da", "coning", "sculling"])
 """Words of increments over the sampling interval."""
 DELTAS = {
@@ -111,6 +120,7 @@ class Meaning:
     def rank(self) -> tuple[int, int]:
         """Return the distance from a plain name: derived or increments, then words that are not known."""
         derived = sum(word in DERIVED or word in DELTA for word in self.stem) + self.free
+        derived -= GRAVITY in self.stem  # of accelerations with and without gravity, those with it
         if self.quantity == TIME:
             derived += sum((word in OF_HOST) - (word in OF_SENSOR) for word in self.stem)
         return derived, sum(word not in QUANTITY and word not in ("raw", "angular", "rate") for word in self.stem)
@@ -137,6 +147,8 @@ class Assignment:
     downward
         Whether names are those of Core Motion, in whose accelerations gravity points down: -1 g along the axis that
         points up in a device at rest, where the specific force is 1 g.
+    unsigned
+        Whether names are those of W3C DeviceMotion, of which browsers have either sign.
     """
 
     columns: dict[str, str]
@@ -146,12 +158,15 @@ class Assignment:
     counters: tuple[str, ...] = ()
     contract: bool = False
     downward: bool = False
+    unsigned: bool = False
 
 
 def meaning(name: str) -> Meaning | None:
     """Return what a column holds by its name; None if neither inertial sensor, temperature, time nor counter."""
     base, unit = _unbracketed(name.strip().lstrip("#%").strip())
     words = words_of(base)
+    if set(words) > ROTATION_RATE and words[-1] in GREEK:
+        words, unit = [*words[:-1], GREEK[words[-1]]], unit or "deg/s"
     axis = next((word for known in (LETTERS, AXES) for word in reversed(words) if word in known), None)
     if axis is not None:
         place = len(words) - 1 - words[::-1].index(axis)
@@ -205,7 +220,8 @@ def assign(names: Sequence[str]) -> Assignment:
     ordered = {name: columns[name] for name in COLUMNS if name in columns}
     contract = all(name == of for name, of in ordered.items()) and (not times or TIME in times)
     downward = any(one.issubset(parts_of(name)[0]) for one in CORE_MOTION for name in names)
-    return Assignment(ordered, units, tuple(times), free, counters, contract, downward)
+    unsigned = any(DEVICE_MOTION.issubset(parts_of(name)[0]) for name in ordered.values())
+    return Assignment(ordered, units, tuple(times), free, counters, contract, downward, unsigned)
 
 
 def _counted_from_zero(known: dict[str, Meaning]) -> dict[str, Meaning]:
@@ -313,7 +329,7 @@ def _quantity(words: list[str]) -> str | None:
     found = set(words)
     if found & DELTA and not (found - set(DELTAS)) & OTHER:
         return next((DELTAS[word] for word in words if word in DELTAS), None)
-    if found & OTHER:
+    if found & OTHER - ({GRAVITY} if found & WITH else set()):
         return None
     if TEMPERATURE in map(QUANTITY.get, words):
         return TEMPERATURE

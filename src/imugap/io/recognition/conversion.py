@@ -85,6 +85,7 @@ def conversion(
     if accel is not None:
         unit = units.accel_unit(accel, rate, settings.units.get("accel"), assignment.units.get("accel"), contract)
         unit = units.downward(unit) if assignment.downward and not settings.units.get("accel") else unit
+        unit = units.signed(unit) if assignment.unsigned else unit
         sizes |= dict.fromkeys(ACCEL, unit.to_si(rate))
         sentences += [] if unit.evidence is None else [unit.sentence("accel")]
         accel = accel * unit.to_si(rate) if accel.shape[1] == len(ACCEL) else None
@@ -188,9 +189,9 @@ def _require_turns(gyro: np.ndarray, accel: np.ndarray, rate_hz: float) -> None:
 
 
 def _triad(values: Mapping[str, np.ndarray], axes: tuple[str, ...]) -> np.ndarray | None:
-    """Return the columns of a triad that there are, shape (n, axes); None where there is none."""
+    """Return the columns of a triad that there are, shape (n, axes); None where there is none, or all are zero."""
     found = [values[name] for name in axes if name in values]
-    return np.column_stack(found) if found else None
+    return np.column_stack(found) if any(one.any() for one in found) else None
 
 
 def _frame(force: samples.Force | None, settings: RecordingSettings) -> tuple[str, tuple[str, ...]]:

@@ -149,6 +149,10 @@ def other_reading(force: Force, rate_hz: float) -> str:
         return counts_of(force)
     if are_increments(force, rate_hz):
         return "velocity increments [m/s] over the interval (--units accel=m/s,gyro=rad)"
+    if force.quiet == 0:
+        return "no samples"
+    if force.scatter > CONSTANT or force.quiet < NONE_LEFT * STANDARD_GRAVITY:
+        return "of no gravity: was it removed? (record the accelerations with gravity)"
     return "gravity in no known unit"
 
 
@@ -186,6 +190,19 @@ def gyro_unit(gyro: np.ndarray, accel: np.ndarray | None, rate_hz: float) -> Rat
         return RateEvidence("deg/s", f"rates of {fastest:.4g}")
     turned = None if accel is None or gyro.shape[1] < 3 else _by_gravity(gyro, accel, rate_hz)
     return turned or _at_rest(gyro, accel, rate_hz)
+
+
+def too_loud(gyro: np.ndarray, accel: np.ndarray | None, rate_hz: float) -> float | None:
+    """Return the noise density at rest in the unit of the file where no gyroscope has it in deg/s; else None.
+
+    Parameters as in :func:`gyro_unit`.
+    """
+    finite = np.isfinite(gyro).all(axis=1) & (True if accel is None else np.isfinite(accel).all(axis=1))
+    found = _rest(gyro[finite], None if accel is None else accel[finite], rate_hz)
+    if found is None:
+        return None
+    _, density, calm = found
+    return density if calm and density * factor("deg/s") > LOUD else None
 
 
 def time_unit(
@@ -300,13 +317,10 @@ def _by_gravity(gyro: np.ndarray, accel: np.ndarray, rate_hz: float) -> RateEvid
 
 def _at_rest(gyro: np.ndarray, accel: np.ndarray | None, rate_hz: float) -> RateEvidence | None:
     """Decide by noise and Earth rate on the longest rest of the device."""
-    block = max(WINDOW, int(rate_hz))
-    begin, end = _longest_rest(gyro, block)
-    if end - begin < FEWEST_BLOCKS:
+    found = _rest(gyro, accel, rate_hz)
+    if found is None:
         return None
-    rest = slice(begin * block, end * block)
-    density = _density(gyro[rest], block, rate_hz)
-    calm = accel is None or _density(accel[rest], block, rate_hz) < SHAKEN
+    rest, density, calm = found
     if density > LOUD and calm:
         reason = f"noise at rest of {density:.2g} per sqrt(Hz)"
         return RateEvidence("deg/s", reason, strong=accel is not None, noise=True)
@@ -321,6 +335,20 @@ def _at_rest(gyro: np.ndarray, accel: np.ndarray | None, rate_hz: float) -> Rate
     if density < SOFT and not earth:
         return RateEvidence("rad/s", f"noise at rest of {density:.2g} per sqrt(Hz)", strong=False)
     return None
+
+
+def _rest(gyro: np.ndarray, accel: np.ndarray | None, rate_hz: float) -> tuple[slice, float, bool] | None:
+    """Return the rows of the longest rest, the noise density of the gyroscopes there, and whether nothing shakes them.
+
+    None where it is too short.
+    """
+    block = max(WINDOW, int(rate_hz))
+    begin, end = _longest_rest(gyro, block)
+    if end - begin < FEWEST_BLOCKS:
+        return None
+    rest = slice(begin * block, end * block)
+    calm = accel is None or _density(accel[rest], block, rate_hz) < SHAKEN
+    return rest, _density(gyro[rest], block, rate_hz), calm
 
 
 def _density(values: np.ndarray, block: int, rate_hz: float) -> float:

@@ -22,10 +22,15 @@ SLOWEST_CONTRACT_HZ = 0.5
 """Lowest rate at which stamps named ``time`` are in seconds without any doubt."""
 YEARS = (9.5e8, 4.1e9)
 """Seconds since 1970 of the years 2000 to 2099."""
+EPOCHS = (("d", 25_569 * 86_400), ("d", 719_529 * 86_400), ("100ns", 11_644_473_600), ("100ns", 62_135_596_800))
+"""Units of clocks of programs, and the seconds from their zero to 1970: spreadsheets (1899-12-30), MATLAB (year 0),
+Windows (1601), .NET (year 1)."""
 FINE, FINE_TICKS, FINE_FASTEST_HZ = "sampletimefine", ("us", "100us"), 3e3
 """Counter of some devices, its ticks by their kind, and the highest rate of these."""
 MINUTE, CENTURY, DAY_NUMBER = 60, 100, 240_000
 """Seconds of a minute, what a minute counts in HHMMSS, and the end of the day in it."""
+CARRIED = (41, 4041, -235_959)
+"""What follows 59 s in HHMMSS is larger by: the next minute, the next hour, the next day."""
 MOST = 0.3
 """Share of the stamps that advance, in a column of stamps: they may repeat in bursts."""
 
@@ -63,13 +68,16 @@ def unit_of_stamps(time: np.ndarray, contract: bool) -> tuple[str, str]:
     if len(time) < FEWEST or not np.isfinite(step):
         return "s", "too few stamps"
     first = float(time[0] if time.dtype.kind == "i" else time[np.isfinite(time)][0])
-    by_year = [unit for unit in TICKS if YEARS[0] < first * factor(unit) < YEARS[1]]
+    by_year = [unit for unit in TICKS if _is_dated(first * factor(unit), step * factor(unit))]
     if by_year:
         return by_year[0], "the year"
     rates = {unit: 1 / (step * factor(unit)) for unit in TICKS}
     slowest = SLOWEST_CONTRACT_HZ if contract else SLOWEST_HZ
     if slowest <= rates["s"] <= FASTEST_HZ:
         return "s", "the rate"
+    of_program = [unit for unit, zero in EPOCHS if _is_dated(first * factor(unit) - zero, step * factor(unit))]
+    if of_program:
+        return of_program[0], "the year"
     admitted = [unit for unit, rate in rates.items() if SLOWEST_HZ < rate < FASTEST_HZ]
     if SLOWEST_CONTRACT_HZ <= rates["s"] < SLOWEST_HZ:
         admitted = ["s", *admitted]
@@ -77,6 +85,11 @@ def unit_of_stamps(time: np.ndarray, contract: bool) -> tuple[str, str]:
         return admitted[0], "the rate"
     readings = " or ".join(f"{rates[unit]:.4g} Hz in {unit}" for unit in admitted or rates)
     raise ValueError(f"the unit of the stamps (--time-unit decides); found a step of {step:.6g}: {readings}")
+
+
+def _is_dated(since_1970: float, step: float) -> bool:
+    """Return whether a stamp [s] is of the years of :data:`YEARS`, and the step [s] of an inertial sensor."""
+    return YEARS[0] < since_1970 < YEARS[1] and SLOWEST_CONTRACT_HZ < 1 / step < FASTEST_HZ
 
 
 def require_rate(time: np.ndarray, unit: str) -> None:
@@ -96,8 +109,8 @@ def are_clock_numbers(time: np.ndarray) -> bool:
     finite = time[:ROWS][np.isfinite(time[:ROWS].astype(float))].astype(float)
     if len(finite) < FEWEST or (np.floor(finite) % CENTURY >= MINUTE).any() or not (finite < DAY_NUMBER).all():
         return False
-    before, after = np.floor(finite[:-1]), np.floor(finite[1:])
-    carried = (before % CENTURY == MINUTE - 1) & (after % CENTURY == 0) & (after != before + 1)
+    whole = np.floor(finite)
+    carried = (whole[:-1] % CENTURY == MINUTE - 1) & np.isin(np.diff(whole), CARRIED)
     return bool(carried.any())
 
 

@@ -22,6 +22,7 @@ PLACES = {"gyro": "columns gyro_x to gyro_z", "accel": "columns accel_x to accel
 TRIADS = {"gyro": GYRO, "accel": ACCEL}
 OPPOSITE = "-"
 """Before the unit of a quantity of the other sign, such as accelerations in which gravity points down."""
+OPTION = "the option"
 COUNTED_RATES = "counts of a converter (--units gyro=deg/s/131 for 131 counts per deg/s)"
 
 
@@ -84,10 +85,19 @@ def downward(unit: Unit) -> Unit:
     raise LogError("log", PLACES["accel"], expected, unit.name)
 
 
+def signed(unit: Unit) -> Unit:
+    """Return a unit of accelerations of W3C DeviceMotion if an option gives it; LogError where their sign is open."""
+    if unit.evidence == OPTION:
+        return unit
+    expected = f"the sign of the accelerations (--units accel={unit.name}, or accel=-{unit.name} of iOS, decides)"
+    found = "those of a browser: at rest +1 g along the axis that points up on Android, -1 g on iOS"
+    raise LogError("log", PLACES["accel"], expected, found)
+
+
 def accel_unit(accel: np.ndarray, rate_hz: float, given: str | None, stated: str | None, contract: bool) -> Unit:
     """Return the unit of specific force, shape (n, axes); LogError where nothing decides or gravity contradicts."""
     if given:
-        return Unit(given, "the option")
+        return Unit(given, OPTION)
     force = samples.force_of(accel) if accel.shape[1] == 3 else None
     if stated and quantity_of(stated) is None:
         raise _unknown("accel", stated, None if force is None else samples.counts_of(force))
@@ -148,7 +158,7 @@ def gyro_unit(
         Whether their names alone are those of the contract: then a noise of deg/s does not decide.
     """
     if given:
-        return Unit(given, "the option")
+        return Unit(given, OPTION)
     if stated and quantity_of(stated) is None:
         raise _unknown("gyro", stated, COUNTED_RATES if stated == COUNTS else None)
     named = Unit(stated, "the header") if stated else Unit(SI["gyro"]) if contract else None
@@ -162,6 +172,9 @@ def gyro_unit(
     if named is None and canonical and found.unit != SI["gyro"] and found.noise:
         raise _undecided("gyro", f"names of rates in {SI['gyro']}, but {found.reason}, which is that of {found.unit}")
     if named is None:
+        loud = samples.too_loud(gyro, accel, rate_hz) if found.unit == "deg/s" else None
+        if loud is not None:
+            raise _undecided("gyro", f"noise at rest of {loud:.2g} per sqrt(Hz), too much for deg/s (mdeg/s? deg/h?)")
         return Unit(found.unit, found.reason)
     if found is None or found.unit == named.name:
         return named
@@ -188,7 +201,7 @@ def _undecided(quantity: str, found: str) -> LogError:
 def temperature_unit(readings: np.ndarray, given: str | None, stated: str | None) -> Unit:
     """Return the unit of readings, shape (n,): of the option, of the header, or that of a device at such readings."""
     if given or stated:
-        return Unit(given or stated, "the option" if given else "the header")
+        return Unit(given or stated, OPTION if given else "the header")
     known = readings[np.isfinite(readings)]
     low, high = KELVINS
     kelvins = len(known) > 0 and low < np.median(known) < high
