@@ -253,7 +253,9 @@ def without_power(table: pd.DataFrame) -> np.ndarray:
     are zero nowhere else.
     """
     names = list(axes(table))
-    off = np.all(table[names].to_numpy(float) == 0, axis=1)
+    off = np.logical_and.reduce([table[name].to_numpy(float) == 0 for name in names])
+    if not off.any():
+        return off
     if set(ACCEL) <= set(names) and np.sqrt(sum(table[name] ** 2 for name in ACCEL)).median() > HEAVY:
         return off
     brief = np.diff(runs_of(off)) < BRIEF

@@ -112,8 +112,9 @@ def report(table: pd.DataFrame) -> Report:
         levels, counts = np.unique(values[~np.isnan(values)], return_counts=True)
         step = lattice(levels, len(values))
         scores = np.abs(outlier_scores(values, regularity.interval_s, step))
-        outliers[name] = np.where(scores > outlier_limit(scores), scores, 0.0)
-        reports.append(_axis(name, values, time, levels, counts, step, outliers[name]))
+        rows = np.flatnonzero(scores > outlier_limit(scores))
+        outliers[name] = rows, scores[rows]
+        reports.append(_axis(name, values, time, levels, counts, step, len(rows)))
     return Report(regularity, gravity(table), tuple(reports), events(outliers, time))
 
 
@@ -149,8 +150,9 @@ def gravity(table: pd.DataFrame) -> Gravity | None:
     """Compare the norm of the mean specific force with standard gravity; None without three axes."""
     if not set(ACCEL) <= set(table.columns):
         return None
-    mean = table[list(ACCEL)].replace([np.inf, -np.inf], np.nan).mean()
-    norm = float(np.linalg.norm(mean))
+    columns = [table[name].to_numpy(float) for name in ACCEL]
+    finite = [values[np.isfinite(values)] for values in columns]
+    norm = float(np.linalg.norm([values.mean() if len(values) else np.nan for values in finite]))
     if not np.isfinite(norm):
         return None
     return Gravity(norm, norm - STANDARD_GRAVITY, gravity_unit(norm))
@@ -254,21 +256,23 @@ def outlier_limit(scores: np.ndarray) -> float:
     return max(threshold + scale * np.log(count / IMPROBABLE), -ndtri(IMPROBABLE / (2 * len(scores))))
 
 
-def events(outliers: dict[str, np.ndarray], time: np.ndarray) -> tuple[Shock, ...]:
+def events(outliers: dict[str, tuple[np.ndarray, np.ndarray]], time: np.ndarray) -> tuple[Shock, ...]:
     """Merge outliers on any axis, no more than :data:`HIGH_PASS_S` apart, into shocks.
 
     Parameters
     ----------
     outliers
-        Axis to scores, 0 where there is no outlier, shape (n,).
+        Axis to the rows of its outliers, increasing, and their scores, shape (m,) each.
     time
         Stamps [s], shape (n,).
     """
     names = list(outliers)
-    rows = np.flatnonzero(np.any(list(outliers.values()), axis=0))
+    rows = np.unique(np.concatenate([own for own, _ in outliers.values()]))
     if not len(rows):
         return ()
-    sizes = np.array([outliers[name][rows] for name in names])
+    sizes = np.zeros((len(names), len(rows)))
+    for size, (own, scores) in zip(sizes, outliers.values(), strict=True):
+        size[np.searchsorted(rows, own)] = scores
     cuts = np.flatnonzero(np.abs(np.diff(time[rows])) > HIGH_PASS_S) + 1
     found = []
     for group in np.split(np.arange(len(rows)), cuts):
@@ -289,7 +293,7 @@ def _axis(name, values, time, levels, counts, step, outliers) -> Axis:
         "axis": name,
         "nan": int(np.count_nonzero(~finite)),
         "lattice": step,
-        "outliers": int(np.count_nonzero(outliers)),
+        "outliers": outliers,
     }
     if not len(levels):
         return Axis(**known)

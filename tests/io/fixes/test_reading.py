@@ -325,3 +325,16 @@ def test_what_is_no_log_of_fixes_is_refused_with_what_it_lacks(tmp_path):
                 tmp_path / "a.gpx", '<gpx><trk><trkseg><trkpt lat="1" lon="2"><ele>3</ele></trkpt></trkseg></trk></gpx>'
             )
         )
+
+
+@pytest.mark.parametrize(("names", "letters", "signs"), [
+    (("LATITUDE", "N/S", "LONGITUDE", "E/W"), ("N", "W"), (1, -1)), (("lat", "ns", "lon", "ew"), ("S", "E"), (-1, 1)),
+])  # fmt: skip
+def test_letters_of_the_hemisphere_are_the_sign_of_the_places(tmp_path, names, letters, signs):
+    path = tmp_path / "fixes.csv"
+    places = (f"{k},{48.1 + 1e-5 * k},{letters[0]},{11.3 - 1e-5 * k},{letters[1]},520.0" for k in range(50))
+    path.write_text("\n".join([f"time,{','.join(names)},height", *places, ""]))
+    found = read(path)
+    assert np.degrees(found.fixes["latitude"].iloc[1]) == pytest.approx(signs[0] * 48.10001, abs=1e-9)
+    assert np.degrees(found.fixes["longitude"].iloc[1]) == pytest.approx(signs[1] * 11.29999, abs=1e-9)
+    assert f"sign of longitude from {names[3]}" in found.recognised

@@ -128,3 +128,12 @@ def test_rates_of_a_browser_about_z_x_and_y_are_refused(tmp_path):
     path.write_text(json.dumps(list(device_motion(turned(COUNT * 2)[:, [2, 0, 1, 3, 4, 5]]))))
     with pytest.raises(LogError, match="gravity turns as with gyro_y, gyro_z, gyro_x"):
         read(path, RecordingSettings(units={"accel": "m/s^2"}))
+
+
+def test_a_file_that_memory_may_not_hold_is_refused_before_it_is_read(tmp_path):
+    path = tmp_path / "run.json"
+    with path.open("wb") as file:
+        file.write(b'[{"t": 0')
+        file.truncate((1 << 29) + 1)
+    with pytest.raises(LogError, match=r"JSON of at most 512 MB.*write CSV or Parquet"):
+        read(path)

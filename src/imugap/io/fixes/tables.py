@@ -1,5 +1,6 @@
 """Tables of fixes with a header, as text of any dialect or Parquet; and those of KF-GINS, which have none."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,10 @@ SPELLINGS = {
     "sd_n": "sdn stdn sn", "sd_e": "sde stde se", "sd_d": "sdd stdd sdu stdu su sd",
     "sd_vel_n": "sdveln sdvn", "sd_vel_e": "sdvele sdve", "sd_vel_d": "sdveld sdvd sdvu",
 }  # fmt: skip
+HEMISPHERES = {"latitude": ("N", "S"), "longitude": ("E", "W")}
+"""Letters of a column of their own that says the sign of the places: the second one is below zero."""
+ROWS = 2000
+"""Rows at the begin of a column that show whether it has such letters."""
 INTERVALS = 0.02, 20.0
 """Usual times between fixes of a vehicle [s]: three decades, so that one unit alone gives such a time."""
 COLUMN = {spelling: column for column, spellings in SPELLINGS.items() for spelling in spellings.split()}
@@ -70,6 +75,11 @@ def decode(path: Path, settings: ReceiverSettings) -> Decoded:
     if unit != "s":
         notes.append(f"stamps {unit} -> s from the {'header' if stated else 'rate'}")
     others = [name for name in names if name and name not in known and name != time]
+    for column, name, letters in _hemispheres(source, names, tuple(others)):
+        _, below = HEMISPHERES[column]
+        table.loc[letters == below, column] = -table.loc[letters == below, column].abs()
+        others.remove(name)
+        notes.append(f"sign of {column} from {name}")
     notes += [f"left out {', '.join(others)[:120]}"] if others else []
     return Decoded(table, tuple(notes), source.place)
 
@@ -133,6 +143,20 @@ def _time(names: tuple[str, ...], known: dict[str, str]) -> str | None:
     if TIME in names:
         return TIME
     return next(iter(column_names.assign([name for name in names if name not in known]).times), None)
+
+
+def _hemispheres(
+    source: Source, names: tuple[str, ...], others: tuple[str, ...]
+) -> Iterator[tuple[str, str, np.ndarray]]:
+    """Yield latitude or longitude, the name of a column with the letters of its hemisphere, and these, shape (n,)."""
+    for name in others:
+        try:
+            first = next(source.texts(names.index(name)), np.empty(0, str))[:ROWS]
+            found = next((one for one, letters in HEMISPHERES.items() if len(first) and set(first) <= {*letters}), None)
+            if found is not None:
+                yield found, name, np.concatenate(list(source.texts(names.index(name))))
+        except LogError:  # neither numbers nor texts
+            continue
 
 
 def _unit(raw: np.ndarray) -> str:

@@ -1,4 +1,7 @@
-"""Logs in JSON: an object a line, an array of objects, or arrays by name; nested names are joined by dots."""
+"""Logs in JSON: an object a line, an array of objects, or arrays by name; nested names are joined by dots.
+
+A file is read whole, in some ten times its size of memory, and at most 512 MB.
+"""
 
 import json
 import re
@@ -18,6 +21,8 @@ LONGEST = 16
 """Most numbers of an array that are columns of one record."""
 RECURRENCE = 4
 """Fewest records of a sensor, on average, where a text names the sensor of each."""
+LARGEST_BYTES = 1 << 29
+"""Largest file."""
 METADATA = "metadata"
 UNENDED = "left out the last line, which has no end"
 
@@ -51,6 +56,10 @@ def open_source(path: Path, settings) -> Source:
 
 def _decoded(path: Path) -> tuple[object, tuple[str, ...]]:
     """Return the value of a file, or those of its lines; LogError with the line that is none."""
+    size = path.stat().st_size
+    if size > LARGEST_BYTES:
+        expected = f"JSON of at most {LARGEST_BYTES >> 20} MB, which is read whole (write CSV or Parquet)"
+        raise LogError(path, "file", expected, f"{size >> 20} MB")
     text = path.read_text(encoding="utf-8-sig", errors="replace")
     try:
         return json.loads(text), ()
