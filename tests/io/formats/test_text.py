@@ -245,3 +245,9 @@ def test_rows_of_one_number_on_all_axes_are_lost_and_that_is_said(tmp_path, fill
     assert found.recognised[-1] == "3 rows of one number on all axes, first at line 41: lost"
     assert found.table["accel_z"].isna().sum() == 3
     assert found.table["accel_z"].abs().max() < 11
+
+
+def test_decimal_commas_between_commas_without_quotes_are_refused(tmp_path):
+    path = write_text(tmp_path / "run.csv", NAMES, samples(), decimal=",", form="{:.6f}")
+    with pytest.raises(LogError, match=r"line 2: expected another separator than the decimal comma.*14 values below 7"):
+        read(path)

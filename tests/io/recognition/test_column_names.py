@@ -43,6 +43,10 @@ HEADERS = {
          *(f"rotationRate.{letter}" for letter in ("alpha", "beta", "gamma"))],
         "deg/s", None,
     ),
+    "flight dynamics": (
+        ["time", *(f"{angle}Rate" for angle in ("Roll", "Pitch", "Yaw")), *triad("Accel{0}"), "Roll", "Pitch", "Yaw"],
+        None, None,
+    ),
     "NaveGo": (["imu.t", *triad("imu.fb_{1}"), *triad("imu.wb_{1}")], None, None),
     "Physics Toolbox": (["time", *triad("gF{1}"), *triad("w{1}")], None, None),
     "Arduino": (["t", *triad("a{1}"), *triad("g{1}"), *triad("m{1}")], None, None),

@@ -190,6 +190,9 @@ def sniff(path: Path) -> Dialect:
         raise LogError(path, "line 1", "a header and rows of numbers", repr(whole[0][:EXCERPT]))
     width = Counter(map(len, rows)).most_common(1)[0][0]
     names = _header(whole[:first], separator, width, all(not row[-1] for row in rows if len(row) == width))
+    if first and not any(names) and 2 * len(_cells(whole[first - 1], separator)) == width:
+        expected = "another separator than the decimal comma, or a decimal point"
+        raise LogError(path, f"line {first + 1}", expected, f"{width} values below {width // 2} names")
     rate = _rate(whole[:first])
     decimal = "," if _has_commas(rows) else "."
     header = whole[first - 1].strip() if first and any(names) else None

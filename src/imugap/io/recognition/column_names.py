@@ -62,6 +62,8 @@ DEVICE_MOTION = frozenset(["including", "gravity"])
 GREEK = {"alpha": "x", "beta": "y", "gamma": "z"}
 """Axes of the rotation rate of W3C DeviceMotion, as browsers have them (w3c/deviceorientation issue 44), in deg/s."""
 ROTATION_RATE = frozenset(["rotation", "rate"])
+FLIGHT = {"roll": "x", "pitch": "y", "yaw": "z"}
+"""Axes of the rates that are named by the angle that they turn, such as ``roll_rate``."""
 DELTA = frozenset(["delta", "d", "inc", "increment", "dtheta", "dv", "dvel", "da", "coning", "sculling"])
 """Words of increments over the sampling interval."""
 DELTAS = {
@@ -167,6 +169,8 @@ def meaning(name: str) -> Meaning | None:
     words = words_of(base)
     if set(words) > ROTATION_RATE and words[-1] in GREEK:
         words, unit = [*words[:-1], GREEK[words[-1]]], unit or "deg/s"
+    if len(words) > 1 and words[-1] == "rate" and words[-2] in FLIGHT:
+        words = [*words[:-2], "rate", FLIGHT[words[-2]]]
     axis = next((word for known in (LETTERS, AXES) for word in reversed(words) if word in known), None)
     if axis is not None:
         place = len(words) - 1 - words[::-1].index(axis)
