@@ -36,6 +36,7 @@ from imugap.effects import (
     Saturation,
     ScaleFactor,
     Sinusoid,
+    SkewedNoise,
     StabilityRestoration,
     StanceMotion,
     StuckSamples,
@@ -44,6 +45,7 @@ from imugap.effects import (
     TimestampJitter,
     TornWords,
     TurnOnBias,
+    UniformNoise,
     VarianceChange,
     VibrationRectification,
     WarmUp,
@@ -65,6 +67,8 @@ PROCESSES = (
     RandomTelegraph(1.4, 2.5),
     CommonMode(0.3, -0.5),
     PowerLaw(0.4, 1.5),
+    UniformNoise(0.3, 0.8),
+    SkewedNoise(0.3, -1.2),
 )
 
 

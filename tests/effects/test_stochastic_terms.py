@@ -92,6 +92,8 @@ def autocovariance(process, count, interval=0.01):
         "random_walk": lambda p: p.density_k**2 * time,
         "gauss_markov": lambda p: p.std**2 * np.exp(-lag * interval / p.correlation_time),
         "random_telegraph": lambda p: p.step**2 / 4 * np.exp(-2 * p.rate * lag * interval),
+        "uniform_noise": lambda p: p.density**2 / interval * (lag == 0),
+        "skewed_noise": lambda p: p.density**2 / interval * (lag == 0),
         "common_mode": lambda p: (p.density * p.loading) ** 2 / interval * (lag == 0),
         "band_noise": lambda p: p.density**2 / interval * (lag == 0),  # the band is all that the samples can show
         "quantization": lambda p: (p.q / interval) ** 2 * (2.0 * (lag == 0) - (lag == 1)),

@@ -21,6 +21,7 @@ from imugap.discovery.checks import (
     tested,
 )
 from imugap.discovery.checks.motion import all_against_motion, motion_gain
+from imugap.discovery.checks.noise_law import noise_law
 from imugap.discovery.checks.withheld import Withheld, withheld
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval, Rival, Unnamed
 from imugap.discovery.fit.axis_fit import AxisFit, fit, log_score, offset
@@ -305,9 +306,16 @@ def conclude(searched: AxisSearch, withdrawn: Mapping[type[Effect], str] = Mappi
         settled = search.added(final, lambda effect: effect.named)
         switching, odd = _telegraph_finding(searched, rejected)
         findings = (*(_finding(searched, *pair) for pair in zip(named, settled, strict=True)), *switching)
-        nameless = (*(withheld(one, misfit) for one, misfit in rejected.items()), *odd)
         early = searched.training_search, searched.training_fit
         after = without_unnamed(*early, _rejected(*early, withdrawn))
+        laws = [kind for kind in search.catalogue if kind not in withdrawn and not sweeps]
+        law = noise_law(final, laws, search.log_alpha)
+        if law is not None:
+            final, findings = law.fit, (*findings, law.finding())
+            early_law = noise_law(after, [type(law.distribution.effect)], search.log_alpha)
+            after = after if early_law is None else early_law.fit
+        unexplained = [one for one in rejected if law is None or one.role is not Role.OUTLIERS]
+        nameless = (*(withheld(one, rejected[one]) for one in unexplained), *odd)
         bands = (*searched.bands, *sweeps)
         switches = searched.switching.effect if switching else None
         slope = power_law_finding(search, final)

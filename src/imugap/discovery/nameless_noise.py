@@ -20,7 +20,7 @@ from imugap.discovery.preparation.cosine_bins import Bins
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import BandNoise, NoiseDistribution
 from imugap.effects.effect import AxisModel, Effect
-from imugap.model import ErrorModel
+from imugap.model import ErrorModel, white_noise
 from imugap.numerics.periodogram_segments import segments
 
 SPECTRAL, MARGINAL = ("allan", "spectrum", "line"), ("marginal", "extremes")
@@ -132,11 +132,16 @@ def _of_axis(model: AxisModel, fit: AxisFit, views: set[str]) -> tuple[AxisModel
     """Return the model of an axis with descriptions, and these."""
     bands, taken = _bands(fit) if views & set(SPECTRAL) else ((), 0.0)
     white = float(np.sqrt(max(sum(one.density**2 for one in model if one.white) - taken, 0.0)))
-    kept = [replace(one, density=white) if one.white else one for one in model]
     std = white / np.sqrt(fit.sequence.conditions.interval)
     shaped = bool(views & set(MARGINAL)) and std**2 > MIN_WHITE_SHARE * float(np.var(fit.residual))
     shape = (NoiseDistribution.of(fit.unrounded[~fit.sequence.flawed], std),) if shaped else ()
+    kept = [_of_density(one, white, shaped) if one.white else one for one in model]
     return AxisModel((*kept, *bands, *shape)), (*bands, *shape)
+
+
+def _of_density(noise: Effect, density: float, normal: bool) -> Effect:
+    """Return white noise of another density, normal where a description of the distribution makes the law of it."""
+    return white_noise(density) if normal else replace(noise, density=density)
 
 
 def _bands(fit: AxisFit) -> tuple[tuple[BandNoise, ...], float]:

@@ -29,6 +29,7 @@ from imugap.effects.sample_loss import SampleLoss
 from imugap.effects.saturation import Saturation
 from imugap.effects.scale_factor import ScaleFactor
 from imugap.effects.sinusoid import Sinusoid
+from imugap.effects.skewed_noise import SkewedNoise
 from imugap.effects.stability_restoration import StabilityRestoration
 from imugap.effects.stance_motion import StanceMotion
 from imugap.effects.stuck_samples import StuckSamples
@@ -37,6 +38,7 @@ from imugap.effects.time_offset import TimeOffset
 from imugap.effects.timestamp_jitter import TimestampJitter
 from imugap.effects.torn_words import TornWords
 from imugap.effects.turn_on_bias import TurnOnBias
+from imugap.effects.uniform_noise import UniformNoise
 from imugap.effects.variance_change import VarianceChange
 from imugap.effects.vibration_rectification import VibrationRectification
 from imugap.effects.warm_up import WarmUp

@@ -20,6 +20,7 @@ from imugap.integrity.timestamps import Stamps
 from imugap.log import TIME
 from imugap.numerics.band_limited import interpolate
 from imugap.numerics.state_space import StateSpace
+from imugap.numerics.white_samples import WhiteSamples
 from imugap.stream import stream
 
 TINY = float(np.finfo(float).tiny)
@@ -110,6 +111,28 @@ class Evidence:
     bounds: tuple[np.ndarray, np.ndarray] | None = None
 
 
+@dataclass(frozen=True)
+class Distribution:
+    """White noise whose samples are not normal, seen in the distribution of what a fit makes white.
+
+    Attributes
+    ----------
+    effect
+        The noise at the estimated parameters.
+    intervals
+        Lower and upper limit of each parameter of its law, 95 %.
+    log_p
+        Log p-value of normal samples.
+    gain
+        Gain of log-likelihood over normal samples, to second order.
+    """
+
+    effect: "Effect"
+    intervals: dict[str, tuple[float, float]]
+    log_p: float
+    gain: float
+
+
 def parameter(unit: str, meaning: str, low: float = 0.0, high: float = np.inf, whole: bool = False, **kwargs) -> Field:
     """Declare a parameter of an effect: SI unit (``{u}`` stands for the unit of the axis), meaning, physical limits."""
     return field(metadata={"unit": unit, "meaning": meaning, "low": low, "high": high, "whole": whole}, **kwargs)
@@ -157,6 +180,8 @@ class Effect:
     """Largest number on one axis; with more, they stand for something else. None where there is no limit."""
     white: ClassVar[bool] = False
     """Whether it is white noise of one axis, of a ``density``."""
+    normal: ClassVar[bool] = True
+    """Whether its samples are normal, if it is white noise."""
     slow: ClassVar[bool] = False
     """Whether it is a random process with most of its power at low frequencies, Gaussian at any time."""
     stationary: ClassVar[bool] = True
@@ -302,6 +327,11 @@ class Effect:
     def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield where fits start of an effect of this kind that ``fit`` may miss; none by default."""
         return iter(())
+
+    @classmethod
+    def shown(cls, samples: WhiteSamples, density: float) -> Distribution | None:
+        """Return white noise of this kind and a density if its law is that of samples, or None."""
+        return None
 
     def __add__(self, other):
         """Compose: ``WhiteNoise(1e-4) + RandomWalk(2e-6)`` is the error of an axis."""

@@ -117,7 +117,7 @@ def _finding(one: Finding) -> Iterable[Block]:
     rows = tuple(_parameter(name, interval) for name, interval in one.parameters.items())
     yield DataTable("Parameters with 95 % intervals, SI.", ("parameter", "value", "95 % interval", "unit"), rows)
     yield Text(f"{certainty(one).capitalize()}.")
-    yield Text("In the simulator: add to the model")
+    yield Text(f"In the simulator: {'add to the model' if effect.normal else 'in place of the white noise'}")
     yield Snippet(text(ErrorModel({axis: AxisModel((own,)) for axis, own in one.effects.items()})))
     meaning = in_filter(effect)
     if meaning is not None:

@@ -61,12 +61,17 @@ def noise_shape(fit: AxisFit, log_alpha: float) -> NoiseShape | None:
     small make a distribution of their own: with them nothing is tested. Values on a coarse lattice are drawn anew
     within their steps.
     """
-    normal = all(one.white or one.slow for one in fit.description.noise.effects)
-    if not normal or fit.description.outliers is not None or fit.description.changes or _stepped(fit):
+    if not shows_law(fit):
         return None
     values = fit.unrounded[~fit.sequence.flawed]
     share = fit.sequence.bins.last / len(fit.unrounded) if fit.cells is None else 1.0
     return shape_of(values, fit.sequence.conditions.axis, log_alpha, max(share, MIN_SHARE))
+
+
+def shows_law(fit: AxisFit) -> bool:
+    """Return whether white noise taken for normal makes the distribution of the samples of a fit, and nothing else."""
+    normal = all(one.slow or (one.white and one.normal) for one in fit.description.noise.effects)
+    return normal and fit.description.outliers is None and not fit.description.changes and not _stepped(fit)
 
 
 def _stepped(fit: AxisFit) -> bool:

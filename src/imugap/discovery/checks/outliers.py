@@ -6,6 +6,7 @@ from scipy.stats import ncx2
 
 from imugap.discovery.checks.misfit import MAX_LOG_P, Misfit
 from imugap.discovery.checks.motion import outliers_against_motion
+from imugap.discovery.checks.noise_law import noise_law
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.search import Candidate
 from imugap.effects.effect import TINY
@@ -17,6 +18,7 @@ ITERATIONS, BINS = 40, 12
 """Iterations for mean and standard deviation of the core, and bins of equal probability in it."""
 MAX_PROBABILITY = 0.1
 """Maximum fraction of the samples for outliers; above it they are the tails of another distribution."""
+OTHER_LAW = "all samples are of another distribution"
 TOLERATED_DEVIATION = 0.005
 """Tolerated squared relative deviation of the density of the core from the normal one, as real noise has it."""
 
@@ -32,11 +34,18 @@ def outliers_misfit(candidate: Candidate) -> Misfit:
         Misfit("they come in clusters", found.clustered),
         Misfit("they come with the motion", outliers_against_motion(fit, found.flagged)),
         Misfit("they come at a beat", found.beating),
-        Misfit("all samples are of another distribution", _core_normality_log_p(fit)),
+        Misfit(OTHER_LAW, _core_normality_log_p(fit)),
+        Misfit(OTHER_LAW, -np.inf if _law_explains(candidate) else 0.0),
     ]
     if not fit.description.changes:
         misfits.append(Misfit("they come at some times more often than at others", found.uneven))
     return min(misfits, key=lambda misfit: misfit.log_p)
+
+
+def _law_explains(candidate: Candidate) -> bool:
+    """Return whether the samples with the outliers have a law of the catalogue."""
+    search = candidate.search
+    return noise_law(search.with_outlier_samples(candidate.fit), search.catalogue, search.log_alpha) is not None
 
 
 def _core_normality_log_p(fit: AxisFit) -> float:

@@ -109,10 +109,10 @@ class ReplicateGroup:
 
 
 def replicate_groups(fits: Mapping[str, AxisFit], known: Mapping[str, tuple[Effect, ...]]) -> list[ReplicateGroup]:
-    """Group the axes: those of mere white noise and the same flaws share a group, others have their own."""
+    """Group the axes: those of mere normal white noise and the same flaws share a group, others have their own."""
     groups: dict[object, list[str]] = defaultdict(list)
     for axis, found in fits.items():
-        plain = all(effect.white for effect in found.description.effects())
+        plain = all(effect.white and effect.normal for effect in found.description.effects())
         shared = plain and not known.get(axis)
         groups[(found.sequence.flawed.tobytes(), found.sequence.share) if shared else axis].append(axis)
     over = views.binnings(next(iter(fits.values())).sequence)
