@@ -14,6 +14,7 @@ from imugap.effects.dead_zone import DeadZone
 from imugap.effects.effect import AdditiveEffect, AllanEffect, ClockEffect, Conditions, Effect, Stage, StochasticEffect
 from imugap.effects.g_sensitivity import GSensitivity
 from imugap.effects.gauss_markov import GaussMarkov
+from imugap.effects.held_samples import HeldSamples
 from imugap.effects.lever_arm import LeverArm
 from imugap.effects.misalignment import Misalignment
 from imugap.effects.noise_distribution import NoiseDistribution

@@ -11,6 +11,7 @@ from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import TINY, Effect, Evidence, Role, Stage, Transform, parameter
 from imugap.integrity.precision import grain, spacing
 from imugap.integrity.report import IMPROBABLE
+from imugap.numerics.change_period import change_period
 from imugap.numerics.random_runs import (
     RunEstimate,
     estimate_from_repeats,
@@ -86,11 +87,11 @@ class StuckSamples(Effect):
         lattice follows from the numbers of one-step and two-step differences, since the logarithm of a normal density
         is a parabola. Parts of the log with another noise level are excluded. An axis with too coarse a lattice is
         tested for repeats where the others are stuck. In fast motion zero differences are compared with one-step
-        differences. Repeats of one axis that prefer a value are of another cause.
+        differences. Repeats of one axis that prefer a value, and those of a period, are of another cause.
         """
         columns = values.reshape(len(values), -1)
         known = np.flatnonzero(np.isfinite(columns).all(axis=1))
-        if not _repeats(columns[known]).any():
+        if not _repeats(columns[known]).any() or change_period(columns) is not None:
             return None
         known = known[np.all([_alike(column) for column in columns[known].T], axis=0)]
         told = [_repeat_probability(column[known]) for column in columns.T]

@@ -20,6 +20,7 @@ from imugap.effects import (
     DeadZone,
     GaussMarkov,
     GSensitivity,
+    HeldSamples,
     LeverArm,
     Misalignment,
     NoiseDistribution,
@@ -89,7 +90,8 @@ EVERY = ErrorModel(
         "accel_x": AxisModel((LeverArm(0.1, -0.2, 0.3), Temperature(0.01, 25.0, 1e-3, 0.1), TornWords(0.2, 1e-4))),
         "accel_y": AxisModel((WarmUp(0.1, 2.0), Sinusoid(7.0, 0.1, 1.0), RateRamp(0.01), BiasStep(2.0, 0.3),
                               Chirp(3.0, 0.2, 0.1, 0.4))),
-        "accel_z": AxisModel((VibrationRectification(0.3, 0.1), OutputFilter(30.0, 3, 1), OutputFilter(35.0, 1, 3))),
+        "accel_z": AxisModel((VibrationRectification(0.3, 0.1), OutputFilter(30.0, 3, 1), OutputFilter(35.0, 1, 3),
+                              HeldSamples(4.0, 2.0))),
         log.TIME: AxisModel((ClockScale(1.0001), SampleLoss(0.01, 2.0), TimestampJitter(0.004))),
     }
 )  # fmt: skip
