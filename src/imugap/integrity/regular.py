@@ -273,7 +273,7 @@ def _unusable(table: pd.DataFrame) -> dict[str, str]:
         if not len(values):
             found[name] = f"{name}: no values"
         elif values.min() == values.max():
-            found[name] = f"{name}: {values[0]:.6g} throughout, no noise can be seen"
+            found[name] = f"{name}: {values[0] + 0.0:.6g} throughout, no noise can be seen"
         else:
             ends = [float(end) for end in (values.min(), values.max()) if np.mean(values == end) > CLIPPED]
             beyond = [end for end in ends if len(np.unique(values)) > 2 and abs(end) >= np.abs(values).max()]

@@ -6,7 +6,7 @@ from tests.io.devices import RATE, at_rest, times
 
 from imugap.io.fixes import reading
 from imugap.io.recording import RecordingSettings, read
-from imugap.log import LogError
+from imugap.log import AXES, GYRO, LogError
 
 rosbag1 = pytest.importorskip("rosbags.rosbag1")
 rosbag2 = pytest.importorskip("rosbags.rosbag2")
@@ -156,4 +156,26 @@ def test_a_damaged_bag_is_an_error_and_a_missing_package_is_named(tmp_path, monk
         read(tmp_path / "half.bag")
     monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
     with pytest.raises(LogError, match=r"expected the package rosbags \(pip install 'imugap\[ros\]'\); found none"):
+        read(path)
+
+
+def test_rates_and_forces_of_two_topics_become_one_log(tmp_path, kind):
+    samples = at_rest(COUNT, up=(0, 0, -1))
+    rates, forces = samples.copy(), samples.copy()
+    rates[:, 3:], forces[:, :3] = 0, 0
+    topics = {"/camera/accel/sample": forces[::2], "/camera/gyro/sample": rates}
+    path = write_bag(tmp_path / f"run{ENDINGS[kind]}", kind, topics)
+    found = read(path)
+    assert "topic /camera/gyro/sample and /camera/accel/sample" in found.recognised
+    for axis, one in found.regular.samples.items():
+        own = rates if axis.startswith("gyro") else forces[::2]
+        np.testing.assert_array_equal(one.values, own[:, list(AXES).index(axis)])
+    alone = read(path, RecordingSettings(topic="/camera/gyro/sample")).regular
+    assert set(alone.samples) == set(GYRO)
+
+
+def test_two_topics_with_rates_and_forces_each_are_refused(tmp_path, kind):
+    samples = at_rest(COUNT)
+    path = write_bag(tmp_path / f"run{ENDINGS[kind]}", kind, {"/imu/data": samples, "/imu/data_raw": samples + 0.1})
+    with pytest.raises(LogError, match=r"--topic decides\); found /imu/data, /imu/data_raw"):
         read(path)

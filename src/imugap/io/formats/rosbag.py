@@ -1,7 +1,8 @@
 """ROS bags: version 1 (``.bag``) and version 2 (a folder, ``.db3`` or ``.mcap``), messages sensor_msgs/Imu.
 
 The units are those of the definition of the message: rad/s and m/s^2. Messages sensor_msgs/Temperature [degC] are
-interpolated at the samples.
+interpolated at the samples. Of two topics of which one has zeros for the forces and the other for the rates, as cameras
+write them, each gives its own.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,6 +20,8 @@ IMU = "sensor_msgs/msg/Imu"
 TEMPERATURE = "sensor_msgs/msg/Temperature"
 BATCH = 20_000
 """Messages in a batch."""
+FIRST = 100
+"""First messages of a topic, which show whether it has rates and forces."""
 NAMES = (
     *(f"angular_velocity.{axis} [rad/s]" for axis in "xyz"),
     *(f"linear_acceleration.{axis} [m/s^2]" for axis in "xyz"),
@@ -26,6 +29,10 @@ NAMES = (
     "log.stamp [ns]",
 )
 THERMOMETER = "temperature [degC]"
+NONE = (np.nan,) * 3
+"""Rates or forces that a topic does not have."""
+JOINED = " and "
+"""Between the names of two topics that are read together; a name of a topic has no blank."""
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -36,12 +43,13 @@ def recognises(path: Path, head: bytes) -> bool:
 def open_source(path: Path, settings) -> Source:
     """Return the columns of the messages of one topic; LogError where there is none, or one of several is meant."""
     with reader_of(path) as reader:
-        topic, count = topic_of(reader, path, (IMU,), settings.topic)
-        thermometer, stamps, readings = _temperatures(reader, topic)
+        apart = None if settings.topic else _apart(reader)
+        topic, count = apart or topic_of(reader, path, (IMU,), settings.topic)
+        thermometer, stamps, readings = _temperatures(reader, topic.partition(JOINED)[0])
 
     def batches(columns: Sequence[int]) -> Iterator[list[np.ndarray]]:
         with reader_of(path) as reader:
-            rest = (_row(message, time) for message, time in messages(reader, topic))
+            rest = (_row(message, time, apart is not None) for message, time in messages(reader, *topic.split(JOINED)))
             while rows := list(islice(rest, BATCH)):
                 at = np.array([row[-2] or row[-1] for row in rows], np.int64)
                 yield [
@@ -54,6 +62,29 @@ def open_source(path: Path, settings) -> Source:
     names = NAMES if thermometer is None else (*NAMES, THERMOMETER)
     notes = (f"topic {topic}", *([] if thermometer is None else [f"temperature of {thermometer}"]))
     return Source(path, names, count, batches, "message {}".format, notes=notes, heading="messages", topic=topic)
+
+
+def _apart(reader) -> tuple[str, int] | None:
+    """Return two topics of which one has rates alone and the other forces alone, joined, and the number of messages.
+
+    None where the bag has no such two topics, or others of the same kind.
+    """
+    counts: dict[str, int] = {}
+    for one in reader.connections:
+        if one.msgtype == IMU:
+            counts[one.topic] = counts.get(one.topic, 0) + one.msgcount
+    if len(counts) != 2:
+        return None
+    by_holding = {_holds(reader, topic): topic for topic in counts}
+    if set(by_holding) != {(True, False), (False, True)}:
+        return None
+    return JOINED.join((by_holding[True, False], by_holding[False, True])), sum(counts.values())
+
+
+def _holds(reader, topic: str) -> tuple[bool, bool]:
+    """Return whether the first messages of a topic have rates, and forces, that are not zero."""
+    first = np.array([_row(*one)[:6] for one in islice(messages(reader, topic), FIRST)]).reshape(-1, 6)
+    return bool(first[:, :3].any()), bool(first[:, 3:].any())
 
 
 def _temperatures(reader, topic: str) -> tuple[str | None, np.ndarray, np.ndarray]:
@@ -100,9 +131,9 @@ def topic_of(reader, path: Path, kinds: Sequence[str], asked: str | None) -> tup
     raise LogError(path, "topics", expected, f"{known[:200] or 'no messages'}{f', not {asked}' if asked else ''}")
 
 
-def messages(reader, topic: str) -> Iterator[tuple[object, int]]:
-    """Yield the messages of a topic, and the time at which each was recorded [ns]."""
-    chosen = [one for one in reader.connections if one.topic == topic]
+def messages(reader, *topics: str) -> Iterator[tuple[object, int]]:
+    """Yield the messages of topics in the order of their time, and the time at which each was recorded [ns]."""
+    chosen = [one for one in reader.connections if one.topic in topics]
     for connection, time, raw in reader.messages(connections=chosen):
         yield reader.deserialize(raw, connection.msgtype), time
 
@@ -112,9 +143,12 @@ def stamp_of(message) -> int:
     return message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
 
 
-def _row(message, time: int) -> tuple:
+def _row(message, time: int, apart: bool = False) -> tuple:
+    """Return the values of a message; where rates and forces come ``apart``, NaN for the zeros of the other."""
     rate, force = message.angular_velocity, message.linear_acceleration
-    return rate.x, rate.y, rate.z, force.x, force.y, force.z, stamp_of(message), time
+    parts = (rate.x, rate.y, rate.z), (force.x, force.y, force.z)
+    rates, forces = (NONE if apart and not any(part) else part for part in parts)
+    return *rates, *forces, stamp_of(message), time
 
 
 def _numbers(values: list, column: int) -> np.ndarray:
