@@ -1,4 +1,4 @@
-from dataclasses import fields
+from dataclasses import fields, replace
 from itertools import pairwise
 
 import numpy as np
@@ -35,6 +35,15 @@ def spectral_integral(psd, tau, periods=40):
 @pytest.mark.parametrize("tau", [1e-3, 0.05, 0.378, 4.0, 300.0])
 def test_allan_variance_is_the_spectral_integral(process, tau):
     assert process.allan_variance(tau) == pytest.approx(spectral_integral(process.psd, tau), rel=2e-4)
+
+
+@pytest.mark.parametrize("process", SAMPLED, ids=SAMPLED_NAMES)
+def test_the_spectrum_goes_with_the_square_of_the_size(process):
+    frequency, interval = np.geomspace(1e-3, 0.5, 20), 1.0
+    tripled = replace(process, **{process.size(): 3 * getattr(process, process.size())})
+    np.testing.assert_allclose(
+        tripled.sampled_psd(frequency, interval), 9 * process.sampled_psd(frequency, interval), rtol=1e-9
+    )
 
 
 @pytest.mark.parametrize("process", SAMPLED[:-1], ids=SAMPLED_NAMES[:-1])

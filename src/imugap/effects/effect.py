@@ -398,13 +398,18 @@ class AllanEffect(AdditiveEffect):
 
 @dataclass(frozen=True)
 class StochasticEffect(AllanEffect):
-    """An additive random process with a spectrum.
+    """An additive random process with a spectrum, which goes with the square of its first parameter.
 
     Unless its own page says otherwise, what is drawn are values at the sample times, not means over the intervals:
     for slow processes the difference is of the order of interval/tau at averaging time tau.
     """
 
     role: ClassVar[Role] = Role.NOISE
+
+    @classmethod
+    def size(cls) -> str:
+        """Return the name of its first parameter, with whose square the spectrum goes."""
+        return fields(cls)[0].name
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Return the two-sided power spectral density [unit^2/Hz] at ``frequency`` [Hz] of the continuous process."""

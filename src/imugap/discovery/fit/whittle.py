@@ -78,7 +78,7 @@ class Noise:
         effects = []
         for effect in self.effects:
             ratio = level / Noise((effect,), filtered).passed(bins)
-            size = next(name for name in effect.parameters() if scales(effect, name))
+            size = effect.size()
             factor = np.sqrt(min(np.median(ratio[group]) for group in groups))
             effects.append(replace(effect, **{size: float(getattr(effect, size) * factor)}))
         return replace(self, effects=tuple(effects))
@@ -206,7 +206,7 @@ def _step(gradient, information, low, high):
 
 @dataclass(frozen=True, eq=False)
 class _Process:
-    """A random effect as a function of its log parameters, of which ``size`` only scales its spectrum.
+    """A random effect as a function of its log parameters, of which its size only scales the spectrum.
 
     ``places`` are those of its parameters in the vector; ``unit`` is its spectrum at unit size, where nothing else
     shapes it.
@@ -215,7 +215,6 @@ class _Process:
     effect: StochasticEffect
     names: tuple[str, ...]
     places: tuple[int, ...]
-    size: str
     unit: np.ndarray | None
 
     def shape(self, theta: np.ndarray, bins: Bins) -> np.ndarray:
@@ -223,7 +222,7 @@ class _Process:
         if self.unit is not None:
             return self.unit
         values = {name: float(np.exp(theta[i])) for name, i in zip(self.names, self.places, strict=True)}
-        effect = replace(self.effect, **(values | {self.size: 1.0}))
+        effect = replace(self.effect, **(values | {self.effect.size(): 1.0}))
         return effect.sampled_psd(bins.frequency, bins.interval) / bins.interval
 
 
@@ -237,8 +236,7 @@ class NoiseSpectra:
         for i, effect in enumerate(noise.effects):
             mine = [(name, j) for j, (index, name) in enumerate(noise.parameters()) if index == i]
             names, places = zip(*mine, strict=True)
-            size = next(name for name in names if scales(effect, name))
-            process = _Process(effect, names, places, size, None)
+            process = _Process(effect, names, places, None)
             if len(names) == 1:
                 process = replace(process, unit=process.shape(np.zeros(places[0] + 1), bins))
             self.processes.append(process)
@@ -259,11 +257,11 @@ class NoiseSpectra:
 
     def _add(self, process: _Process, theta: np.ndarray, total: np.ndarray, slopes: np.ndarray) -> None:
         """Add the variances of a process and their derivatives in place."""
-        factor = np.exp(2 * theta[process.places[process.names.index(process.size)]])
+        factor = np.exp(2 * theta[process.places[process.names.index(process.effect.size())]])
         variance = factor * process.shape(theta, self.bins)
         total += variance
         for name, place in zip(process.names, process.places, strict=True):
-            if name == process.size:
+            if name == process.effect.size():
                 slopes[place] = 2 * variance
                 continue
             ends = []
@@ -297,7 +295,7 @@ def limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.
             spans.append((1e-3 / bins.interval, effect.highest(bins.interval)))
         elif isfinite(most):
             spans.append((least * (1 + 2 * DIFFERENCE_STEP), most * (1 - 2 * DIFFERENCE_STEP)))
-        elif scales(effect, name):
+        elif name == effect.size():
             ratio = level / (effect.sampled_psd(bins.frequency, bins.interval) / bins.interval)
             value = getattr(effect, name)
             spans.append(
@@ -309,10 +307,3 @@ def limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.
             spans.append((0.1 / duration, 1 / bins.interval))
     low, high = np.log(np.maximum(spans, TINY)).T
     return low, high
-
-
-def scales(effect: StochasticEffect, name: str) -> bool:
-    """Return whether the spectrum goes with the square of this parameter."""
-    f, interval = np.array([0.01, 0.1]), 1.0
-    doubled = replace(effect, **{name: 2 * getattr(effect, name)})
-    return bool(np.allclose(doubled.sampled_psd(f, interval), 4 * effect.sampled_psd(f, interval), rtol=1e-9, atol=0))

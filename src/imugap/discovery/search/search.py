@@ -534,9 +534,8 @@ def _places(effect: Effect, parameters: int, without: AxisFit) -> float:
 
 
 def little(effect: StochasticEffect) -> StochasticEffect:
-    """Return slow noise of a small share of its size, which is its first parameter."""
-    size = fields(effect)[0].name
-    return replace(effect, **{size: KEPT_SIZE_SHARE * getattr(effect, size)})
+    """Return slow noise of a small share of its size."""
+    return replace(effect, **{effect.size(): KEPT_SIZE_SHARE * getattr(effect, effect.size())})
 
 
 def behind_filter(start: Start, before: AxisFit) -> tuple[Start, Description]:
