@@ -74,7 +74,8 @@ def numbers(estimates, truth, published, printed):
 def worse_page(found):
     """Yield each parameter and correlation time at which methods are worse than the likelihood, with these methods."""
     for effect, parameter, time, methods in worse_than(found[found["parameter"] != "driving_psd"], "likelihood"):
-        names = " and ".join(f"“{estimation.TITLES[name]}”" for name in methods)
+        *others, last = (f"“{estimation.TITLES[name]}”" for name in methods)
+        names = f"{', '.join(others)} and {last}" if others else last
         yield {"parameter": estimation.SYMBOLS[effect, parameter], "time": time, "methods": names}
 
 

@@ -69,16 +69,16 @@ def _compared(found: Discovery, alpha: float, drawn: Sequence[tuple[str, str]]) 
             else "No view of the log leaves the start model."
         )
     before, after = ({(one.curve.view, one.curve.axis): one for one in some} for some in (found.before, found.after))
-    figure, grid = panels_of(len(drawn), 2, 1.5 * len(drawn) + 0.6, sharex="row", sharey="row")
+    figure, grid = panels_of(len(drawn), 2, 1.3 * len(drawn) + 0.6, sharex="row", sharey="row")
     for key, row in zip(drawn, grid, strict=True):
         pairs = ((before[key], found.discrepancies), (after.get(key), found.unexplained))
         for panel, (title, colour), (test, places) in zip(row, STATES.values(), pairs, strict=True):
-            panel.set_title(f"{_titled(key[1])}, {VIEWS[key[0]].title}: {title}")
             if test is None:
                 panel.text(0.5, 0.5, "explained by what the axes share", ha="center", transform=panel.transAxes)
             else:
                 _view(panel, test, alpha, colour, f"{1 - alpha:.0%} of simulations, {title}")
                 _marked(panel, [place for place in places if (place.view, place.axis) == key], test.curve)
+        row[0].set_title(f"{_titled(key[1])}, {VIEWS[key[0]].title}", loc="left")
         _scaled(row, before[key].curve)
     legend_below(figure, 4)
     return figure
