@@ -25,6 +25,7 @@ from imugap.io.recognition.frame import AS_IS
 from imugap.io.recording import DEFAULTS, Recording, RecordingSettings
 from imugap.log import LogError
 from imugap.model import ErrorModel
+from imugap.numerics.change_period import change_period
 
 MIN_SAMPLES = 320
 """Minimum number of samples of an axis, for the views of the training and the held-out part."""
@@ -214,8 +215,10 @@ def _varying(table: pd.DataFrame) -> dict[str, pd.Series]:
 
 
 def _require_own_rate(table: pd.DataFrame, path: Path, axis: str) -> None:
-    """Raise a LogError if an axis has a new value only at regular spacings of several rows."""
+    """Raise a LogError if an axis has a new value only at regular spacings of several rows, and is not held between."""
     values = table[axis].to_numpy(float)
+    if change_period(values[:, None]) is not None:
+        return
     known = np.isfinite(values)
     fresh = np.flatnonzero(known)
     fresh = fresh[np.r_[True, np.diff(values[fresh]) != 0]]

@@ -27,7 +27,7 @@ class SkewedNoise(WhiteNoise):
 
     This is nearly a gamma law of the same skewness (Wilson and Hilferty 1931, doi:10.1073/pnas.17.12.684): exponential
     numbers at 2, normal ones at 0. A negative skewness turns the sign of the noise. Its spectrum and Allan variance are
-    those of normal white noise of the same density.
+    those of normal white noise of the same density. A file for a filter or another simulator has its density alone.
     """
 
     name: ClassVar[str] = "skewed_noise"

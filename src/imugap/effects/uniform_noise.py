@@ -25,7 +25,7 @@ class UniformNoise(WhiteNoise):
     """White noise of which a share of the variance is of uniform numbers, the rest normal.
 
     Its spectrum and Allan variance are those of normal white noise of the same density; its kurtosis is
-    3 - 1.2 share^2.
+    3 - 1.2 share^2. A file for a filter or another simulator has its density alone.
     """
 
     name: ClassVar[str] = "uniform_noise"
