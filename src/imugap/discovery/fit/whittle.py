@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
-from numba import njit
 
 from imugap.discovery.preparation.cosine_bins import Bins
 from imugap.effects.effect import TINY, FilterEffect, Role, StochasticEffect
@@ -185,21 +184,21 @@ def fit(
     return NoiseFit(start.at(theta), value, information, gradient)
 
 
-@njit(cache=True)
-def _step(gradient, information, low, high):
+def _step(gradient: np.ndarray, information: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Return the step to the top of a quadratic within a box; what leads out of it stays at the end, the rest follows.
 
     A process much fainter than the others leads far out: a step shortened as a whole would not move the others.
     """
-    step, free = np.zeros(len(gradient)), np.ones(len(gradient), np.bool_)
-    while free.any():
-        inside, held = np.flatnonzero(free), np.flatnonzero(~free)
-        rest = gradient[inside] - information[inside][:, held] @ step[held]
-        step[inside] = np.linalg.solve(information[inside][:, inside], rest)
-        beyond = free & ((step < low) | (step > high))
-        if not beyond.any():
+    step = np.linalg.solve(information, gradient)
+    beyond = (step < low) | (step > high)
+    free = ~beyond
+    while beyond.any():
+        step[beyond] = np.minimum(np.maximum(step, low), high)[beyond]
+        if not free.any():
             break
-        step = np.where(beyond, np.minimum(np.maximum(step, low), high), step)
+        rest = gradient[free] - information[free][:, ~free] @ step[~free]
+        step[free] = np.linalg.solve(information[free][:, free], rest)
+        beyond = free & ((step < low) | (step > high))
         free &= ~beyond
     return step
 
