@@ -33,9 +33,10 @@ def test_what_is_not_named_for_one_reason_is_one_sentence_for_each_axis():
         of("gyro_x", "variance_change", "they come at a beat"),
         of("gyro_y", "chirp", "its spectrum has another shape"),
         of("gyro_x", "scale_factor", "its spectrum has another shape"),
+        of("gyro_y", "gauss_markov", "its spectrum has another shape"),
     ]
     assert list(unnamed_sentences(found)) == [
         "gyro_x: something like variance change (2), but they come at a beat; not named.",
         "gyro_x: something like chirp, scale factor, but its spectrum has another shape; not named.",
-        "gyro_y: something like chirp, but its spectrum has another shape; not named.",
+        "gyro_y: something like chirp, Gauss-Markov, but its spectrum has another shape; not named.",
     ]

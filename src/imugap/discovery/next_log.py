@@ -19,6 +19,7 @@ from imugap.discovery.fit.start_model import described
 from imugap.discovery.posterior import LEVEL, ambiguity_set
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import PARAMETER_COST
+from imugap.effects import title_of
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel, Effect
 
@@ -130,7 +131,7 @@ def _advice(finding: Finding, rivals: Sequence[Rival], conditions: Conditions, s
 
 
 def _words(names: Sequence[str]) -> str:
-    return ", ".join(one.replace("_", " ") for one in names)
+    return ", ".join(title_of(one) for one in names)
 
 
 def _longer(conditions: Conditions) -> Iterator[Proposal]:

@@ -11,6 +11,7 @@ from imugap.discovery.evaluation.distance import Distances
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval, Unnamed, unnamed_sentences
 from imugap.discovery.nameless_noise import NamelessNoise
 from imugap.discovery.posterior import IN_WORDS, MIN_SHARE, NOT_SEEN, ambiguity_set, percent
+from imugap.effects import title_of
 from imugap.integrity.regular import counted
 
 MAX_LOCATIONS = 12
@@ -175,11 +176,7 @@ def certainty(finding: Finding) -> str:
     parts = [f"of the name {percent(share[finding.name])}"]
     parts += [f"of {IN_WORDS[one]} {percent(share[one])}" for one in others if one in IN_WORDS]
     text = f"probability {', '.join(parts)}"
-    return f"{text}; the log cannot tell it from {', '.join(_words(one) for one in names)}" if names else text
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")
+    return f"{text}; the log cannot tell it from {', '.join(title_of(one) for one in names)}" if names else text
 
 
 def described_sentences(found: Discovery) -> list[str]:

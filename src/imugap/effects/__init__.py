@@ -51,3 +51,8 @@ CATALOGUE: dict[str, type[Effect]] = {
     if isinstance(kind, type) and issubclass(kind, Effect) and "name" in vars(kind)
 }
 """Kinds of effects by name: all that are imported here."""
+
+
+def title_of(name: str) -> str:
+    """Return the name of an effect in words, of the catalogue or not."""
+    return (CATALOGUE[name].title if name in CATALOGUE else "") or name.replace("_", " ")

@@ -188,6 +188,8 @@ class Effect:
     """Whether its statistics are the same at any time; else it begins with its run."""
     two_valued: ClassVar[bool] = False
     """Whether it is a random process that switches between two values."""
+    title: ClassVar[str] = ""
+    """Its name in words, where that is not the name with blanks."""
     named: ClassVar[bool] = True
     """Whether the name is one of the vocabulary; else it describes what has no name."""
     of_time: ClassVar[bool] = False

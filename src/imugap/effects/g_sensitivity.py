@@ -15,6 +15,7 @@ class GSensitivity(CrossAxisEffect):
     """Rate error proportional to the specific force (IEEE 528: acceleration-sensitive drift rate)."""
 
     name: ClassVar[str] = "g_sensitivity"
+    title: ClassVar[str] = "g-sensitivity"
     x: float = parameter("rad/s/(m/s^2)", "error per specific force along x", low=-np.inf)
     y: float = parameter("rad/s/(m/s^2)", "error per specific force along y", low=-np.inf)
     z: float = parameter("rad/s/(m/s^2)", "error per specific force along z", low=-np.inf)

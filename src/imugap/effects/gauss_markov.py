@@ -36,6 +36,7 @@ class GaussMarkov(StochasticEffect):
     """Exponentially correlated process zdot = -z/T + w, with w of PSD S_B = 2 std^2/T (Farrell et al. 2022, eq. 33)."""
 
     name: ClassVar[str] = "gauss_markov"
+    title: ClassVar[str] = "Gauss-Markov"
     slow: ClassVar[bool] = True
     std: float = parameter("{u}", "stationary standard deviation")
     correlation_time: float = parameter("s", "T", low=TINY)

@@ -11,6 +11,7 @@ from matplotlib.ticker import NullFormatter, NullLocator, PercentFormatter
 from scipy.stats import binom
 
 from imu_benchmark.scores import ALL, DISTANCES, LEVEL, NONE, UNKNOWN
+from imugap.effects import title_of
 from imugap.figures.discovery import AFTER, BEFORE, NAMES, PLAIN
 from imugap.figures.style import legend_below, panels_of, text_figure
 from imugap.figures.views import VIEWS
@@ -63,7 +64,7 @@ def detection(rates: pd.DataFrame, clear: float) -> Figure:
         right.scatter(by_name["size"], rows, 55 * by_name["rate"], zorder=3, **look)
     left.set(title="all effects", ylim=(-0.05, 1.05))
     left.yaxis.set_major_formatter(PercentFormatter(1.0, 0))
-    right.set_yticks(range(len(names)), map(_words, names))
+    right.set_yticks(range(len(names)), map(title_of, names))
     right.set(title="each effect", ylim=(len(names) - 0.3, -0.7))
     legend_below(figure, 2)
     return figure
@@ -85,8 +86,8 @@ def confusion(counts: pd.DataFrame) -> Figure:
             at = columns.index(name)
             panel.plot(at + 0.5 * np.array([-1, 1, 1, -1, -1]), row + 0.5 * np.array([-1, -1, 1, 1, -1]), color=NAMED,
                        lw=0.8)  # fmt: skip
-    panel.set_xticks(range(len(columns)), [_words(name) for name in columns], rotation=60, ha="right")
-    panel.set_yticks(range(len(rows)), [_words(name) for name in rows])
+    panel.set_xticks(range(len(columns)), [title_of(name) for name in columns], rotation=60, ha="right")
+    panel.set_yticks(range(len(rows)), [title_of(name) for name in rows])
     panel.set(xlabel="answer", ylabel="hidden")
     panel.grid(False)
     return figure
@@ -125,7 +126,7 @@ def coverage(parameters: pd.DataFrame, covered: pd.DataFrame) -> Figure:
         errors.plot(error, np.full(len(error), place), "|", ms=4, mew=0.7, color=FOUND)
     errors.axvspan(-1, 1, color=BAND, alpha=0.5, lw=0)
     errors.set(xlim=(-1.05 * FARTHEST, 1.05 * FARTHEST), xlabel="error [half widths of the interval]")
-    titles = covered["name"].map(_words) + ", " + covered["parameter"].map(_words)
+    titles = covered["name"].map(title_of) + ", " + covered["parameter"].map(title_of)
     errors.set_yticks(places, titles.mask(every, "all"))
     errors.set_ylim(len(covered) - 0.4, -0.6)
     _intervals(shares, covered, places)
@@ -201,7 +202,3 @@ def _intervals(panel: Axes, table: pd.DataFrame, places: np.ndarray) -> None:
     some = table[known]
     ends = some["rate"] - some["low"], some["high"] - some["rate"]
     panel.errorbar(some["rate"], places[known], xerr=ends, fmt="o", ms=3, elinewidth=0.8, color=FOUND)
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")

@@ -14,6 +14,7 @@ from imugap.discovery.evaluation.distance import Distances, Drifts
 from imugap.discovery.finding import Discrepancy, Interval
 from imugap.discovery.views import Curve
 from imugap.discovery.views.discrepancies import ViewTest
+from imugap.effects import title_of
 from imugap.figures.style import AXIS_TITLES, card, legend_below, panels_of, text_figure, time_axis
 from imugap.figures.views import VIEWS
 from imugap.workflow.tables import unit
@@ -267,7 +268,7 @@ def repeated(data: pd.DataFrame, scales: Mapping[str, tuple[str, float]]) -> Fig
         panel.axvline(0, color="black", lw=0.5)
         panel.set_yticks(range(len(places)), [f"{_titled(axis)}: {parameter}" for axis, parameter in places])
         panel.set_ylim(len(places) - 0.4, -0.6)
-        panel.set(title=name.replace("_", " "), xlabel=title)
+        panel.set(title=title_of(name), xlabel=title)
     for panel in grid.flat[len(groups) :]:
         panel.remove()
     legend_below(figure, len(trials))

@@ -5,6 +5,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter, NullLocator, PercentFormatter
 
+from imugap.effects import title_of
 from imugap.figures.discovery import PLAIN
 from imugap.figures.style import legend_below, panels_of
 from imugap.study.detection_loss import bonferroni_half_size, oracle_power
@@ -71,7 +72,7 @@ def losses(curve: pd.DataFrame, table: pd.DataFrame, choices: int) -> Figure:
         xlabel="size [detection limits]",
         ylim=(len(rows) - 0.3, -0.7),
     )
-    right.set_yticks(rows, table["name"].str.replace("_", " "), fontsize=7)
+    right.set_yticks(rows, table["name"].map(title_of), fontsize=7)
     right.set_xticks([0.5, 1, 2, 4, 8])
     for panel in (left, right):
         panel.xaxis.set_major_formatter(PLAIN)

@@ -12,6 +12,7 @@ from imugap.discovery.nameless_noise import NamelessNoise
 from imugap.discovery.report import certainty, describe_locations, describe_range, described_sentences
 from imugap.discovery.start_comparison.parameters import StartParameter
 from imugap.discovery.start_comparison.wording import sentences
+from imugap.effects import title_of
 from imugap.effects.effect import AxisModel, Effect, Role
 from imugap.figures import discovery as figures
 from imugap.figures.log import quantities
@@ -85,7 +86,7 @@ def _verdict(result: FileDiscovery) -> Iterable[str]:
     """Yield how much is missing, what is left, and the gain."""
     found = result.found
     if found.findings:
-        names = "; ".join(f"{_title(one)} on {', '.join(one.axes)}" for one in found.findings)
+        names = "; ".join(f"{title_of(one.name)} on {', '.join(one.axes)}" for one in found.findings)
         count = len(found.findings)
         yield f"{count} effect{'s are' if count > 1 else ' is'} missing from the error model: {names}."
     elif found.withheld or found.unexplained or found.shapes:
@@ -107,7 +108,8 @@ def _gain(apart: Distances) -> str:
 
 def _missing(findings: Sequence[Finding]) -> Iterable[Block]:
     for one in findings:
-        yield Topic(f"{_title(one).capitalize()} on {', '.join(one.axes)}", tuple(_finding(one)))
+        heading = f"{title_of(one.name)} on {', '.join(one.axes)}"
+        yield Topic(heading[0].upper() + heading[1:], tuple(_finding(one)))
 
 
 def _finding(one: Finding) -> Iterable[Block]:
@@ -139,7 +141,7 @@ def _nameless(nameless: NamelessNoise | None, rule: Rule) -> Iterable[Block]:
     )
     yield Text(nameless.sentence())
     rows = tuple(
-        (axis, of_name.replace("_", " "), str(count))
+        (axis, title_of(of_name), str(count))
         for axis, effects in nameless.effects.items()
         for of_name, count in Counter(one.name for one in effects).items()
     )
@@ -169,10 +171,6 @@ def _or_dash(value: float | None) -> str:
 
 def _of_log(one: Interval | None) -> tuple[str, str]:
     return ("–", "–") if one is None else (number(one.value), f"{number(one.low)} to {number(one.high)}")
-
-
-def _title(one: Finding) -> str:
-    return one.name.replace("_", " ")
 
 
 def _meaning(effect: Effect) -> str:
@@ -219,7 +217,7 @@ def _parameters(model: ErrorModel) -> dict[tuple[str, str, str], float]:
         seen: Counter[str] = Counter()
         for effect in effects:
             seen[effect.name] += 1
-            title = effect.name.replace("_", " ") + (f" {seen[effect.name]}" if seen[effect.name] > 1 else "")
+            title = title_of(effect.name) + (f" {seen[effect.name]}" if seen[effect.name] > 1 else "")
             found |= {(axis, title, name.replace("_", " ")): value for name, value in effect.parameters().items()}
     return found
 
