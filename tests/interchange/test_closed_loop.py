@@ -99,7 +99,12 @@ def test_the_correlation_time_of_the_other_sensor_is_named(tmp_path):
 
 def test_uniform_numbers_are_named(tmp_path):
     result = closed(tmp_path, Target.AIRSIM, WALK, simulators.airsim, defect=Defect.UNIFORM)
-    assert f"{AXIS}: the noise is not normally distributed, its tails are lighter, as those of uniform" in said(result)
+    (found,) = result.found.findings
+    assert found.name == "uniform_noise"
+    assert found.parameters["share"].high > 0.99
+    rows = {one.name: one.agreement for one in result.against}
+    assert rows["AngularRandomWalk"] is Comparison.AGREES
+    assert rows["uniform_noise.share"] is Comparison.MISSING
 
 
 @pytest.mark.slow

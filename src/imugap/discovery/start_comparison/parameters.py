@@ -84,6 +84,11 @@ class StartParameter:
     remark: str = ""
 
 
+def _alike(one: Effect, other: Effect) -> bool:
+    """Return whether two effects are of one kind, or white noise of any law of its samples."""
+    return type(one) is type(other) or (one.white and other.white)
+
+
 def against_start(found: Discovery, known: ErrorModel, keys: Keys | None, alpha: float) -> tuple[StartParameter, ...]:
     """Compare each parameter of the start model with the log, and list what the start model lacks.
 
@@ -171,8 +176,10 @@ class _Axis:
     def numbers(self, effect: Effect) -> tuple[_Number, ...]:
         """Return the numbers of the start file that an effect has; its parameters where the file has none."""
         own = [key for key in self.keys or () if isinstance(effect, key.kind)]
-        if own:
-            return tuple(_Number(key.name, key.unit, key.value) for key in own)
+        return tuple(_Number(key.name, key.unit, key.value) for key in own) if own else self._native(effect)
+
+    def _native(self, effect: Effect) -> tuple[_Number, ...]:
+        """Return the parameters of an effect."""
         units = effect.units(axis_unit(self.name))
         given = [item.name for item in fields(effect) if item.name != "reference"]
         return tuple(
@@ -208,7 +215,10 @@ class _Axis:
                 place for place, one in enumerate(self.effects)
                 if one.role is role and one not in apart and (role is not Role.NOISE or noisy(one))
             ]  # fmt: skip
-            if [type(entries[place].effect) for place in fitted] == [type(self.effects[place]) for place in given]:
+            alike = (
+                _alike(entries[one].effect, self.effects[other]) for one, other in zip(fitted, given, strict=False)
+            )
+            if len(fitted) == len(given) and all(alike):
                 matched |= dict(zip(given, fitted, strict=True))
         return matched
 
@@ -442,12 +452,18 @@ class _Axis:
             effect = finding.effects.get(self.name)
             if effect is None:
                 continue
-            for number in self.numbers(effect):
+            for number in self._further(effect):
                 yield replace(
                     self._row(effect, number, self._interval(finding, effect, number, level), finding.log_p,
                               Comparison.MISSING),
                     start=None,
                 )  # fmt: skip
+
+    def _further(self, effect: Effect) -> tuple[_Number, ...]:
+        """Return the numbers of a missing effect; those of its law for white noise where the start model has some."""
+        if not effect.white or not any(one.white for one in self.effects):
+            return self.numbers(effect)
+        return tuple(one for one in self._native(effect) if one.name != f"{effect.name}.{effect.size()}")
 
     def _interval(self, finding: Finding, effect: Effect, number: _Number, level: float) -> Interval:
         entries = self.fits[0].description.of(Role.NOISE)
