@@ -7,7 +7,6 @@ from itertools import combinations
 import numpy as np
 from scipy.fft import irfft, rfft, rfftfreq
 from scipy.sparse.csgraph import connected_components
-from scipy.special import log_ndtr
 from scipy.stats import ncx2
 
 from imugap.discovery.checks import MAX_LOG_P
@@ -15,6 +14,7 @@ from imugap.discovery.finding import Finding, Interval
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.effects import CommonMode, WhiteNoise
 from imugap.effects.effect import TINY
+from imugap.numerics.white_samples import two_sided_log_p
 
 MIN_INFORMATION = 1e-9
 """Minimum Fisher information per sample, which keeps the errors of axes without loading finite."""
@@ -74,7 +74,7 @@ def find_common_noise(fits: dict[str, AxisFit], log_alpha: float) -> tuple[Commo
     correlation, number = _correlation(spectra, good)
     scores = np.arctanh(np.clip(correlation, -0.999999, 0.999999)) * np.sqrt(np.maximum(number - 3, 1))
     pairs = list(combinations(range(len(axes)), 2))
-    log_ps = {pair: float(np.log(2 * len(pairs)) + log_ndtr(-abs(scores[pair]))) for pair in pairs}
+    log_ps = {pair: float(np.log(len(pairs))) + two_sided_log_p(scores[pair]) for pair in pairs}
     linked = np.zeros((len(axes), len(axes)), bool)
     for pair in pairs:
         linked[pair] = log_ps[pair] < log_alpha

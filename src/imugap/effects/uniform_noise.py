@@ -22,7 +22,7 @@ HIGHEST_KURTOSIS = 2.6
 
 @dataclass(frozen=True)
 class UniformNoise(WhiteNoise):
-    """White noise of which a share of the variance is of uniform numbers, the rest normal.
+    """White noise, a sum of uniform and normal numbers; ``share`` is that of the uniform ones in the variance.
 
     Its spectrum and Allan variance are those of normal white noise of the same density; its kurtosis is
     3 - 1.2 share^2. A file for a filter or another simulator has its density alone.

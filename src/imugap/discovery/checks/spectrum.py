@@ -5,7 +5,6 @@ from dataclasses import fields
 
 import numpy as np
 from scipy.optimize import minimize
-from scipy.special import log_ndtr
 from scipy.stats import ncx2
 
 from imugap.discovery.checks.gaussianity import BURSTS, MIN_SHARE, UNEVEN, sample_misfits
@@ -19,6 +18,7 @@ from imugap.discovery.search.search import PARAMETER_COST, Candidate, Search, co
 from imugap.discovery.views.spectral import of_spectrum
 from imugap.effects.effect import TINY, Effect, Role, StochasticEffect
 from imugap.effects.power_law import PowerLaw
+from imugap.numerics.white_samples import two_sided_log_p
 
 SLOPE, POWER_LAW = "its spectrum has another slope", "a power law of another slope explains it better"
 POWER_LAW_AS_WELL = "a power law explains it as well"
@@ -155,7 +155,7 @@ def _neighbourhood_log_p(fit: AxisFit, mine: np.ndarray) -> float:
     low, high = fit.sequence.bins.frequency[mine[[0, -1]]]
     curve = of_spectrum(fit)
     near = (curve.high > low / NEIGHBOURHOOD_RATIO) & (curve.low < high * NEIGHBOURHOOD_RATIO)
-    log_p = np.log(2 * near.sum()) + log_ndtr(-np.abs(curve.statistic[near]).max(initial=0.0))
+    log_p = np.log(near.sum()) + two_sided_log_p(np.abs(curve.statistic[near]).max(initial=0.0))
     return min(float(log_p), 0.0)
 
 

@@ -147,7 +147,7 @@ class Search:
 
     def without_memory(self) -> "Search":
         """Return the search without its stored fits."""
-        return replace(self, memory={})
+        return replace(self, memory={}, behind={})
 
     def for_new_samples(self) -> "Search":
         """Return the same search for another sequence."""

@@ -1,8 +1,8 @@
 """ROS bags: version 1 (``.bag``) and version 2 (a folder, ``.db3`` or ``.mcap``), messages sensor_msgs/Imu.
 
 The units are those of the definition of the message: rad/s and m/s^2. Messages sensor_msgs/Temperature [degC] are
-interpolated at the samples. Of two topics of which one has zeros for the forces and the other for the rates, as cameras
-write them, each gives its own.
+interpolated at the samples. Where one topic has zeros for the forces and another for the rates, as cameras write them,
+each gives its own.
 """
 
 from collections.abc import Iterator, Sequence
@@ -65,7 +65,7 @@ def open_source(path: Path, settings) -> Source:
 
 
 def _apart(reader) -> tuple[str, int] | None:
-    """Return two topics of which one has rates alone and the other forces alone, joined, and the number of messages.
+    """Return a topic of rates alone and one of forces alone, joined, and the number of messages.
 
     None where the bag has no such two topics, or others of the same kind.
     """
