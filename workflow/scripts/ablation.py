@@ -5,7 +5,7 @@ import pandas as pd
 from imu_benchmark.recipe import read
 from imu_benchmark.sealing import plan, seal
 from imugap import log
-from imugap.discovery.device import Settings, discover
+from imugap.discovery.device import Settings, name_missing
 from imugap.discovery.preparation.prepare import prepare
 from imugap.study.ablation import on_another_run, within_log
 from imugap.study.sealed_trials import search
@@ -29,7 +29,7 @@ def sealed(recipe, cases, seed, settings):
 def real(device, paths, settings):
     """Yield the comparisons on the further runs of a device, of what was found on its first run."""
     first, *others = map(log.load, paths)
-    found = discover([first], settings)
+    found = name_missing([first], settings)
     for other in others:
         for one in on_another_run(found, prepare(other, seed=settings.seed).sequences):
             yield {"source": device, "right": None} | one.row()

@@ -1,10 +1,10 @@
 """Discovery on the logs of a device.
 
-:func:`_prepare`, :func:`_search_axes`, :func:`_locate_discrepancies`, :func:`_name_effects`, :func:`_compare_runs`,
-:func:`_assemble`, :func:`_measure_distances`, :func:`_test_final_model`, :func:`_describe_nameless` and
+:func:`_prepare`, :func:`_search_axes`, :func:`_name_effects`, :func:`_compare_runs`, :func:`_assemble`,
+:func:`_measure_distances`, :func:`_locate_discrepancies`, :func:`_test_final_model`, :func:`_describe_nameless` and
 :func:`_conclude` are the stages in order, each a function of the one before. Where the final model turns out farther
 from held-out data than the start model, the effects to blame are withdrawn, and the stages from :func:`_name_effects`
-to :func:`_measure_distances` are repeated.
+to :func:`_measure_distances` are repeated. :func:`name_missing` ends there.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -54,25 +54,48 @@ OTHER_STEPS = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Discovery:
+class Names:
+    """What was named on a device.
+
+    Attributes
+    ----------
+    final
+        Error model with all that was named.
+    findings
+        The effects that were added, surest first.
+    withheld
+        What was seen but not named.
+    undetermined
+        (axis, name) of the effects of the start model that the log does not determine; they stay as they were.
+    record, results
+        The first log, prepared, and the result of each axis of it.
+    gravity
+        Gravity in the level of the first log; None for a device in motion, or without accelerometers that sense it.
+    """
+
+    final: ErrorModel
+    findings: tuple[Finding, ...]
+    withheld: tuple[Unnamed, ...]
+    undetermined: tuple[tuple[str, str], ...]
+    record: PreparedLog
+    results: Mapping[str, AxisResult]
+    gravity: SensedGravity | None
+
+
+@dataclass(frozen=True, eq=False)
+class Discovery(Names):
     """What was found on a device.
 
     Attributes
     ----------
-    start, final
-        Error models before and after.
+    start
+        Error model before.
     discrepancies
         Where the start model and the training part disagree.
-    findings
-        The effects that were added, surest first.
     unexplained
         Where the final model and the log still disagree.
-    withheld
-        What was seen but not named.
     described
         Noise that fits no name, as the final model has it: a power law, or what only all runs together show.
-    undetermined
-        (axis, name) of the effects of the start model that the log does not determine; they stay as they were.
     distances
         Between measured and simulated held-out data, by name of the distance.
     drifts
@@ -80,14 +103,10 @@ class Discovery:
         motion or without all six axes.
     before, after
         Every view of the log against replicates of the start model (training part) and of the final one (whole log).
-    record, results
-        The first log, prepared, and the result of each axis of it.
     further
         Fits of the further runs of each axis, with the terms and the processes of the first.
     shapes
         Distributions of the noise of single samples that are not normal.
-    gravity
-        Gravity in the level of the first log; None for a device in motion, or without accelerometers that sense it.
     band
         Band in which the reference follows the motion; None for all frequencies, or for a device at rest.
     runs
@@ -97,22 +116,15 @@ class Discovery:
     """
 
     start: ErrorModel
-    final: ErrorModel
     discrepancies: tuple[Discrepancy, ...]
-    findings: tuple[Finding, ...]
     unexplained: tuple[Discrepancy, ...]
-    withheld: tuple[Unnamed, ...]
     described: tuple[Finding, ...]
-    undetermined: tuple[tuple[str, str], ...]
     distances: Mapping[str, Distances]
     drifts: tuple[Drifts, ...]
     before: tuple[ViewTest, ...]
     after: tuple[ViewTest, ...]
-    record: PreparedLog
-    results: Mapping[str, AxisResult]
     further: Mapping[str, tuple[AxisFit, ...]]
     shapes: tuple[NoiseShape, ...]
-    gravity: SensedGravity | None
     band: ReferenceBand | None
     runs: int
     nameless: NamelessNoise | None
@@ -208,15 +220,7 @@ class _Searched(_Prepared):
 
 
 @dataclass(frozen=True, eq=False)
-class _Located(_Searched):
-    """With every view of the start model, and the discrepancies."""
-
-    views: Sequence[ViewTest]
-    discrepancies: tuple[Discrepancy, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class _Named(_Located):
+class _Named(_Searched):
     """With the result of each axis, and the effects that axes share by one value."""
 
     results: Mapping[str, AxisResult]
@@ -276,7 +280,15 @@ class _Measured(_Assembled):
 
 
 @dataclass(frozen=True, eq=False)
-class _Tested(_Measured):
+class _Located(_Measured):
+    """With every view of the start model, and the discrepancies."""
+
+    views: Sequence[ViewTest]
+    discrepancies: tuple[Discrepancy, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Tested(_Located):
     """With every view of the final model, and the remaining discrepancies."""
 
     views_after: tuple[ViewTest, ...]
@@ -315,8 +327,13 @@ def discover(
     progress
         Called as each step begins.
     """
-    located = _locate_discrepancies(_search_axes(_prepare(logs, settings, tests, reference, progress)))
-    return _conclude(_describe_nameless(_test_final_model(_measured(located))))
+    measured = _measured(_search_axes(_prepare(logs, settings, tests, reference, progress)))
+    return _conclude(_describe_nameless(_test_final_model(_locate_discrepancies(measured))))
+
+
+def name_missing(logs: Sequence[pd.DataFrame], settings: Settings) -> Names:
+    """Name what is missing from the model of a device at rest, as :func:`discover` does, without testing any view."""
+    return _names(_measured(_search_axes(_prepare(logs, settings, (), None, no_progress))))
 
 
 def leave_one_out(
@@ -328,29 +345,29 @@ def leave_one_out(
     model in ``starts``, which has one for each run.
     """
     prepared = [prepare(log, None, settings.seed, None, settings.catalogue) for log in logs]
-    located = {}
+    searched = {}
     for out, test in enumerate(prepared):
         first, *others = (number for number in range(len(logs)) if number != out)
-        if first not in located:
+        if first not in searched:
             own = _prepare([logs[first]], replace(settings, start=starts[first]), (), None, no_progress)
-            located[first] = _locate_discrepancies(_search_axes(own))
+            searched[first] = _search_axes(own)
         runs = [prepared[number] for number in others]
-        (compared,) = _measured(replace(located[first], others=runs, tests=[test])).compared
+        (compared,) = _measured(replace(searched[first], others=runs, tests=[test])).compared
         yield compared
 
 
-def _measured(located: _Located) -> _Measured:
+def _measured(stage: _Searched) -> _Measured:
     """Name effects, and measure distances, until none is to be withdrawn."""
-    withdrawn = _not_nameable(located)
-    measured = _modelled(located, withdrawn)
+    withdrawn = _not_nameable(stage)
+    measured = _modelled(stage, withdrawn)
     while (more := _to_withdraw(measured, withdrawn)) != withdrawn:
         withdrawn = more
-        located.steps.count += len(located.searches) + 1
-        measured = _modelled(located, withdrawn)
+        stage.steps.count += len(stage.searches) + 1
+        measured = _modelled(stage, withdrawn)
     return measured
 
 
-def _modelled(stage: _Located, withdrawn: Withdrawn) -> _Measured:
+def _modelled(stage: _Searched, withdrawn: Withdrawn) -> _Measured:
     """Name effects but the withdrawn ones, assemble the final model, and measure its distance from held-out data."""
     return _measure_distances(_assemble(_compare_runs(_name_effects(stage, withdrawn))))
 
@@ -452,16 +469,7 @@ def _search_axes(stage: _Prepared) -> _Searched:
     return _Searched(**vars(stage), searches=agree_on_noise(searches))
 
 
-def _locate_discrepancies(stage: _Searched) -> _Located:
-    """Test every view of the training part against replicates of the start model."""
-    settings = stage.settings
-    stage.steps.begin("discrepancies")
-    with each_in_processes(settings.workers) as each:
-        views = view_tests(stage.before, settings.seed, settings.replicates, stage.outputs, each=each)
-    return _Located(**vars(stage), views=views, discrepancies=significant_discrepancies(views, settings.alpha))
-
-
-def _name_effects(stage: _Located, withdrawn: Withdrawn) -> _Named:
+def _name_effects(stage: _Searched, withdrawn: Withdrawn) -> _Named:
     """Pool effects that axes share by one value, check every name, and give intervals."""
     results, joints = name_pooled(stage.searches, stage.settings.workers, stage.log_alpha, stage.steps, withdrawn)
     return _Named(**vars(stage), results=results, joints=joints)
@@ -508,7 +516,16 @@ def _measure_distances(stage: _Assembled) -> _Measured:
     return _Measured(**vars(stage), compared=runs, evaluation=evaluation)
 
 
-def _test_final_model(stage: _Measured) -> _Tested:
+def _locate_discrepancies(stage: _Measured) -> _Located:
+    """Test every view of the training part against replicates of the start model."""
+    settings = stage.settings
+    stage.steps.begin("discrepancies")
+    with each_in_processes(settings.workers) as each:
+        views = view_tests(stage.before, settings.seed, settings.replicates, stage.outputs, each=each)
+    return _Located(**vars(stage), views=views, discrepancies=significant_discrepancies(views, settings.alpha))
+
+
+def _test_final_model(stage: _Located) -> _Tested:
     """Test every view of the whole log against replicates of the final model.
 
     Axes on which nothing was found are as they were; axes that share noise are not tested against each other.
@@ -538,56 +555,70 @@ def _describe_nameless(stage: _Tested) -> _Described:
     return _Described(**vars(stage), nameless=nameless)
 
 
+def _names(stage: _Measured) -> Names:
+    """Put together what was named, and the final model."""
+    proposals = len(stage.results) * len(stage.settings.catalogue)
+    kept = _kept(stage)
+    final = with_effects(stage.model(stage.device), kept)
+    at_rest = all(fit.sequence.conditions.ideal is None for fit in stage.whole.values())
+    gravity = SensedGravity.of(final, stage.known, stage.settings.gravity) if at_rest else None
+    return Names(
+        final=_without(gravity, final),
+        findings=tuple(_with_probabilities(one, proposals) for one in stage.findings),
+        withheld=tuple(one for axis, result in stage.results.items() for one in result.unnamed(axis, proposals)),
+        undetermined=tuple((axis, one.name) for axis, some in kept.items() for one in some if axis in stage.results),
+        record=stage.record,
+        results=stage.results,
+        gravity=gravity,
+    )
+
+
 def _conclude(stage: _Described) -> Discovery:
     """Put together the result."""
     stage.steps.begin("done")
     results, alpha = stage.results, stage.settings.alpha
-    proposals = len(results) * len(stage.settings.catalogue)
     located = (*stage.discrepancies, *_line_discrepancies(results))
-    kept = keep_undetermined(stage.known, stage.record, stage.whole)
-    final = with_effects(stage.model(stage.device), kept)
-    at_rest = all(fit.sequence.conditions.ideal is None for fit in stage.whole.values())
-    gravity = SensedGravity.of(final, stage.known, stage.settings.gravity) if at_rest else None
-
-    def without_gravity(model: ErrorModel) -> ErrorModel:
-        return model if gravity is None else gravity.taken_from(model)
-
+    names, kept = _names(stage), _kept(stage)
     nameless = stage.nameless
     if nameless is not None:
-        nameless = replace(nameless, model=without_gravity(with_effects(nameless.model, kept)))
+        nameless = replace(nameless, model=_without(names.gravity, with_effects(nameless.model, kept)))
     return Discovery(
-        start=without_gravity(with_effects(stage.start, kept)),
-        final=without_gravity(final),
+        **vars(names),
+        start=_without(names.gravity, with_effects(stage.start, kept)),
         discrepancies=(
             *stage.record.discrepancies,
             *located,
             *nameless_places(results, located, alpha),
         ),
-        findings=tuple(_with_probabilities(one, proposals) for one in stage.findings),
         unexplained=(
             *stage.record.unusable,
             *stage.discrepancies_after,
             *nameless_places(results, stage.discrepancies_after, alpha),
         ),
-        withheld=tuple(one for axis, result in results.items() for one in result.unnamed(axis, proposals)),
         described=(
             *(_of_device(one.power_law, stage) for one in results.values() if one.power_law is not None),
             *(one for of_axis in stage.over_runs.values() for one in of_axis.findings()),
         ),
-        undetermined=tuple((axis, one.name) for axis, some in kept.items() for one in some if axis in results),
         distances=stage.evaluation.distances,
         drifts=stage.evaluation.drifts,
         before=tuple(stage.views),
         after=stage.views_after,
-        record=stage.record,
-        results=results,
         further={axis: tuple(one.without_cache() for one in some) for axis, some in stage.further.items()},
         shapes=tuple(filter(None, (noise_shape(one, stage.log_alpha) for one in stage.whole.values()))),
-        gravity=gravity,
         band=stage.band,
         runs=1 + len(stage.others),
         nameless=nameless,
     )
+
+
+def _kept(stage: _Measured) -> dict[str, tuple[Effect, ...]]:
+    """Return the effects of the start model that the log does not determine, of each axis."""
+    return keep_undetermined(stage.known, stage.record, stage.whole)
+
+
+def _without(gravity: SensedGravity | None, model: ErrorModel) -> ErrorModel:
+    """Return a model of the error alone."""
+    return model if gravity is None else gravity.taken_from(model)
 
 
 def _with_probabilities(finding: Finding, proposals: int) -> Finding:

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from threadpoolctl import threadpool_limits
 
 from imugap.discovery.axis import part
-from imugap.discovery.device import Discovery
+from imugap.discovery.device import Names
 from imugap.discovery.evaluation.held_out import HELD_IN_SHARE
 from imugap.discovery.finding import Finding
 from imugap.discovery.fit.axis_fit import fit, log_score
@@ -39,7 +39,7 @@ class HeldOutGains:
         return asdict(self) | {"share": self.share}
 
 
-def within_log(found: Discovery) -> Iterator[HeldOutGains]:
+def within_log(found: Names) -> Iterator[HeldOutGains]:
     """Yield the comparison of every finding with rivals, on the last part of the log on which it was found."""
     for one in _with_rivals(found):
         sequence = found.record.sequences[one.axes[0]]
@@ -47,7 +47,7 @@ def within_log(found: Discovery) -> Iterator[HeldOutGains]:
         yield _compared(one, part(sequence, 0, split), part(sequence, split, len(sequence.values)))
 
 
-def on_another_run(found: Discovery, run: dict[str, AxisSequence]) -> Iterator[HeldOutGains]:
+def on_another_run(found: Names, run: dict[str, AxisSequence]) -> Iterator[HeldOutGains]:
     """Yield the comparison of every finding with rivals, on another run of the device, by axis."""
     for one in _with_rivals(found):
         axis = one.axes[0]
@@ -55,7 +55,7 @@ def on_another_run(found: Discovery, run: dict[str, AxisSequence]) -> Iterator[H
             yield _compared(one, found.record.sequences[axis], run[axis])
 
 
-def _with_rivals(found: Discovery) -> Iterator[Finding]:
+def _with_rivals(found: Names) -> Iterator[Finding]:
     return (one for one in found.findings if one.rivals and one.axis_effects)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from imu_benchmark.sealing.detection_limits import Z
-from imugap.discovery.device import Discovery, Settings, discover
+from imugap.discovery.device import Names, Settings, name_missing
 from imugap.discovery.finding import Finding
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.effects import BiasStep, RateRamp, Sinusoid, WarmUp
@@ -52,7 +52,7 @@ class Untouched:
     run: str
     axis: str
     log: pd.DataFrame
-    found: Discovery
+    found: Names
 
     @property
     def fit(self) -> AxisFit:
@@ -94,7 +94,7 @@ class Injection:
 def untouched(run: str, axis: str, log: pd.DataFrame, settings: Settings) -> Untouched:
     """Discover on one axis of a log as it is, at the level that it has among six."""
     own = log[[axis]]
-    return Untouched(run, axis, own, discover([own], settings.of_some_axes(1)))
+    return Untouched(run, axis, own, name_missing([own], settings.of_some_axes(1)))
 
 
 def inject(base: Untouched, kinds: Sequence[str], size: float, settings: Settings) -> Injection:
@@ -103,7 +103,7 @@ def inject(base: Untouched, kinds: Sequence[str], size: float, settings: Setting
     effects = tuple(_of_size(kind, size, base, settings.seed) for kind in kinds)
     added = sum(effect.sample(_whole(conditions, base.log), None) for effect in effects)
     log = base.log.assign(**{base.axis: base.log[base.axis] + added})
-    found = discover([log], replace(settings.of_some_axes(1), start=base.model))
+    found = name_missing([log], replace(settings.of_some_axes(1), start=base.model))
     return Injection(base, size, effects, found.findings)
 
 
