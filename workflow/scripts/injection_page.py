@@ -3,6 +3,7 @@
 import pandas as pd
 
 from imu_benchmark.scores import rate
+from imugap.effects import title_of
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
@@ -27,7 +28,7 @@ def summary(trials):
 def page(found):
     """Lay the rates out, a row for each effect, size and number of effects."""
     return pd.DataFrame({
-        "added": found["name"].str.replace("_", " "),
+        "added": found["name"].map(title_of),
         "size [limits]": found["size"].map("{:g}".format),
         "together": found["together"],
         "named": [f"{round(one.named_rate * one.named_count)} of {one.named_count}" for one in found.itertuples()],
@@ -46,7 +47,9 @@ def numbers(trials):
     """Return what the text says."""
     clear = trials[trials["size"] == trials["size"].max()]
     alone, several = clear[clear["together"] == 1], clear[clear["together"] > 1]
-    inside = trials.loc[trials["named"].astype(bool), "inside"].astype(bool)
+    named = trials[trials["named"].astype(bool)]
+    inside = named["inside"].astype(bool)
+    by_name = inside.groupby(named["name"], sort=False).agg(["sum", "size"])
     shares = {"alone": rate(alone["named"].astype(bool)), "several": rate(several["named"].astype(bool)),
               "inside": rate(inside)}  # fmt: skip
     alone_by_name = trials["name"].where(trials["together"] == 1, "")  # effects added together are one trial
@@ -57,6 +60,9 @@ def numbers(trials):
         "most": int(trials["together"].max()),
         "others": int((others > 0).sum()),
         "trials": len(others),
+        "inside_by_name": [
+            {"name": title_of(one.Index), "right": int(one.sum), "count": int(one.size)} for one in by_name.itertuples()
+        ],
     } | {
         name: {"count": one["count"], "right": round(one["count"] * one["rate"])}
         | {end: f"{100 * one[end]:.0f}" for end in ("rate", "low", "high")}
