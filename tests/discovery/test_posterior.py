@@ -70,5 +70,5 @@ def test_the_verdict_says_what_is_likely_beside_the_name_and_which_names_remain(
     finding = Finding({"gyro_x": RateRamp(1e-6)}, {}, -40.0, alternatives=(("warm_up", -1.0),), probabilities=shares)
     assert certainty(finding) == (
         "probability of the name 60 %, of an effect that has no name 7 %; "
-        "the log cannot tell it from warm up, temperature"
+        "the log cannot tell it from warm-up, temperature"
     )

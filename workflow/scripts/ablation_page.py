@@ -3,6 +3,7 @@
 import pandas as pd
 
 from imu_benchmark.scores import rate
+from imugap.effects import title_of
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
@@ -28,8 +29,8 @@ def page(found):
     """Lay the gains out, a row for each source and name."""
     return pd.DataFrame({
         "logs": found["source"].str.upper().replace(SEALED.upper(), SEALED),
-        "name": found["name"].str.replace("_", " "),
-        "wrong name": found["rivals"].str.replace("_", " "),
+        "name": found["name"].map(title_of),
+        "wrong name": found["rivals"].map(title_of),
         "gain of the name": found["gain"].map(tables.number),
         "gain of the wrong name": found["rival_gain"].map(tables.number),
         "name ahead": [f"{round(one.rate * one.count_)} of {one.count_}" for one in

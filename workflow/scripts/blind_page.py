@@ -6,6 +6,7 @@ import pandas as pd
 import yaml
 
 from imu_benchmark import scores as blind
+from imugap.effects import title_of
 from imugap.figures import blind as drawn
 from imugap.figures.style import AXIS_TITLES
 from imugap.figures.views import title
@@ -78,7 +79,7 @@ def rate(one):
 
 def words(names):
     """Show names of the vocabulary."""
-    return names.str.replace("_", " ")
+    return names.map(title_of)
 
 
 def detection_page(detection):
@@ -91,7 +92,7 @@ def detection_page(detection):
     )  # fmt: skip
     page = cells.unstack("size", fill_value="")
     page.columns = [f"{size:g}" for size in page.columns]
-    return page.rename_axis("hidden").rename(lambda name: name.replace("_", " ")).reset_index()
+    return page.rename_axis("hidden").rename(title_of).reset_index()
 
 
 def coverage_page(coverage):

@@ -2,6 +2,7 @@
 
 import pandas as pd
 
+from imugap.effects import title_of
 from imugap.estimation.result import Identifiability
 from imugap.figures import estimation
 from imugap.figures.style import AXIS_TITLES
@@ -23,11 +24,16 @@ def page(choice):
         values = [shown(one) for one in of["estimates"] if one["parameter"] != "driving_psd"]
         yield {
             "axis": AXIS_TITLES[axis],
-            "chosen": of["effects"].replace("_", " "),
+            "chosen": in_words(of["effects"]),
             "parameters (SI)": ", ".join(values),
-            "not distinguished from it": "; ".join(of["alternatives"]).replace("_", " ") or "—",
+            "not distinguished from it": "; ".join(map(in_words, of["alternatives"])) or "—",
             "does it fit?": of["verdict"],
         }
+
+
+def in_words(model):
+    """Return the names of the effects of a model in words."""
+    return " + ".join(map(title_of, model.split(" + ")))
 
 
 def shown(one):

@@ -8,6 +8,7 @@ import pandas as pd
 
 from imugap.discovery.finding import Discrepancy
 from imugap.discovery.report import describe_range
+from imugap.effects import title_of
 from imugap.figures.static import TITLES
 from imugap.figures.style import AXIS_TITLES
 from imugap.figures.views import title
@@ -56,12 +57,12 @@ def effects_page(reports):
         for one in report["effects"]:
             kin.setdefault((tuple(one["axes"]), one["name"]), []).append(one)
         for (axes, name), group in kin.items():
-            cells = [TITLES[start], axes_of(axes), name.replace("_", " ")]
+            cells = [TITLES[start], axes_of(axes), title_of(name)]
             for one in group[:FEW]:
                 shown = "; ".join(
                     f"{key.replace('_', ' ')} {tables.parameter(**ends)}" for key, ends in one["parameters"].items()
                 )
-                rivals = ", ".join(other["name"].replace("_", " ") for other in one["alternatives"])
+                rivals = ", ".join(title_of(other["name"]) for other in one["alternatives"])
                 rows.append([*cells, shown, rivals or "—"])
             if len(group) > FEW:
                 key, ends = next(iter(group[0]["parameters"].items()))
@@ -125,7 +126,7 @@ def withheld_page(data):
     for (start, axis, name, reason), group in data.groupby(["start", "axis", "name", "reason"], sort=False):
         ends = [float(group[f"exponent_{end}"].iloc[0]) for end in ENDS]
         model = tables.interval(*ends) if isfinite(ends[0]) else "—"
-        rows.append((TITLES[start], AXIS_TITLES.get(axis, axis), name.replace("_", " "), reason, len(group), model))
+        rows.append((TITLES[start], AXIS_TITLES.get(axis, axis), title_of(name), reason, len(group), model))
     heads = ["start model", "axis", "something like", "not named because", "times", "exponent"]
     return pd.DataFrame(rows or [["—"] * len(heads)], columns=heads)
 
@@ -170,7 +171,7 @@ def numbers(reports, data):
             "left_axes": axes_of(axis for axis in AXIS_TITLES if axis in left),
             "left_views": ", ".join(dict.fromkeys(view_title(place) for place in report["unexplained"])),
             "effects": len(report["effects"]),
-            "names": ", ".join(dict.fromkeys(one["name"].replace("_", " ") for one in report["effects"])),
+            "names": ", ".join(dict.fromkeys(title_of(one["name"]) for one in report["effects"])),
             "withheld": len(report["withheld"]),
             "described_axes": axes_of(dict.fromkeys(one["axis"] for one in report["described"])),
         } | {

@@ -2,6 +2,7 @@
 
 import pandas as pd
 
+from imugap.effects import title_of
 from imugap.figures.static import TITLES
 from imugap.figures.style import AXIS_TITLES
 from imugap.workflow.job_log import job
@@ -44,7 +45,7 @@ def page(data):
         "true": "true on", "known": "in the start model", "found": "found", "rival": "given as a rival",
         "wrong": "found where it is not",
     }  # fmt: skip
-    names = data["name"].str.replace("_", " ")
+    names = data["name"].map(title_of)
     shown = data.assign(start=data["start"].map(TITLES), name=names)[["start", "name", *heads]]
     return shown.rename(columns={"start": "start model"} | heads).assign(**{"not found on": missed})
 

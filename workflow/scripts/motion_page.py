@@ -6,7 +6,7 @@ import pandas as pd
 
 from imugap import log
 from imugap.discovery.transfer import explained_variance, parameter_agreement
-from imugap.effects import CATALOGUE
+from imugap.effects import CATALOGUE, title_of
 from imugap.figures import discovery
 from imugap.figures.style import AXIS_TITLES
 from imugap.model import ErrorModel
@@ -50,7 +50,7 @@ def effects_page(data, agreed, trials):
             else "—"
             for trial in trials
         }
-        name = f"{one.name.replace('_', ' ')}, {one.parameter} [{title}]"
+        name = f"{title_of(one.name)}, {one.parameter} [{title}]"
         rows.append({"effect": name, "axis": AXIS_TITLES[one.axis]} | shown | {"scatter": tables.number(one.factor, 2)})
     return pd.DataFrame(rows, columns=["effect", "axis", *(f"trial {trial}" for trial in trials), "scatter"])
 
@@ -119,8 +119,7 @@ def numbers(reports, agreed, share, noise):
         "agreed": len(agreed),
         "same_sign": int(agreed["same_sign"].sum()),
         "factors": {
-            name.replace("_", " "): tables.number(one.median(), 2)
-            for name, one in agreed.groupby("name", sort=False)["factor"]
+            title_of(name): tables.number(one.median(), 2) for name, one in agreed.groupby("name", sort=False)["factor"]
         },
         "carried": {
             kind: [round(100 * end) for end in other.loc[of, "share"].quantile([0.5, 0.0, 1.0])]

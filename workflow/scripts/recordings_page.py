@@ -4,6 +4,7 @@ from math import isfinite, nan
 
 import pandas as pd
 
+from imugap.effects import title_of
 from imugap.figures.style import AXIS_TITLES
 from imugap.log import GYRO
 from imugap.model import ErrorModel
@@ -81,7 +82,7 @@ def effects_page(data, titles):
     """Lay out the effects with their parameters; of many of one name and the same axes the first ones."""
     rows = []
     for (recording, axes, name, named), kin in data.groupby(["recording", "axes", "name", "named"], sort=False):
-        title = name.replace("_", " ") if named else f"no name, as {name.replace('_', ' ')}"
+        title = title_of(name) if named else f"no name, as {title_of(name)}"
         cells = (titles[recording], axes_of(axes.split()), title)
         alike = [group for _, group in kin.groupby("effect", sort=False)]
         for group in alike[:FEW]:
@@ -90,7 +91,7 @@ def effects_page(data, titles):
                 for one in group.itertuples(index=False)
             )
             rivals = group["alternatives"].iloc[0].split()
-            rows.append((*cells, shown, ", ".join(one.replace("_", " ") for one in rivals) or NONE))
+            rows.append((*cells, shown, ", ".join(title_of(one) for one in rivals) or NONE))
         if len(alike) > FEW:
             rows.append((*cells, f"{len(alike) - FEW} more", NONE))
     heads = ["recording", "axes", "name", "parameters (95 %)", "not distinguished from it"]
@@ -106,7 +107,7 @@ def withheld(reports):
 def withheld_page(data, titles):
     """Lay out what was not named, and why."""
     rows = [
-        (titles[recording], axes_of(group["axis"]), name.replace("_", " "), reason)
+        (titles[recording], axes_of(group["axis"]), title_of(name), reason)
         for (recording, name, reason), group in data.groupby(["recording", "name", "reason"], sort=False)
     ]
     heads = ["recording", "axes", "something like", "not named because"]
@@ -163,9 +164,9 @@ def numbers(known, reports, bias, titles):
             "in_motion": known[name]["in_motion"],
             "left_out": left_out(known[name]),
             "shocks": len(known[name]["shocks"]),
-            "names": [one.replace("_", " ") for one in parameters],
+            "names": [title_of(one) for one in parameters],
             "parameters": parameters,
-            "withheld": list(dict.fromkeys(one["name"].replace("_", " ") for one in report["withheld"])),
+            "withheld": list(dict.fromkeys(title_of(one["name"]) for one in report["withheld"])),
             "places": len(report["gaps"]),
             "left": len(report["unexplained"]),
             "distances": distances(report),

@@ -4,6 +4,7 @@ from shutil import copyfile
 
 import pandas as pd
 
+from imugap.effects import title_of
 from imugap.figures.style import AXIS_TITLES
 from imugap.study import verdicts
 from imugap.workflow import tables
@@ -33,7 +34,7 @@ def page(data):
     ends = data[["value", "low", "high"]].map(lambda end: tables.number(end, DIGITS))
     return pd.DataFrame({
         "axis": data["axis"].map(AXIS_TITLES),
-        "effect": data["effect"].str.replace("_", " "),
+        "effect": data["effect"].map(title_of),
         "parameter": [f"{name} [{tables.unit(unit)}]" for name, unit in data[["parameter", "unit"]].to_numpy()],
         "hidden": data["truth"].map(lambda truth: tables.number(truth, DIGITS)),
         "found (95 %)": ends["value"] + " [" + ends["low"] + ", " + ends["high"] + "]",

@@ -5,7 +5,7 @@ from importlib.metadata import version
 
 import pandas as pd
 
-from imugap.effects import CATALOGUE
+from imugap.effects import CATALOGUE, title_of
 from imugap.estimation import allan
 from imugap.figures.static import TITLES
 from imugap.interchange.from_indices import CONTENDERS
@@ -34,7 +34,7 @@ with job(snakemake) as (_, params, output):
         "walks": params.walks,
         "protocol": params.protocol,
         "omitted": [omission(sets[name]) for name in params.omitted],
-        "catalogue": [name.replace("_", " ") for name in CATALOGUE],
+        "catalogue": [title_of(name) for name in CATALOGUE],
         "contenders": [TITLES[name] for name in CONTENDERS],
         "config": params.config,
         "reading": {"tolerance": allan.SLOPE_TOLERANCE, "decades": allan.REGION_DECADES},

@@ -8,7 +8,7 @@ import yaml
 
 from imu_benchmark.forecasts import OTHER, ambiguity_sets, brier_score, calibration_error, log_score, reliability
 from imu_benchmark.scores import NONE, UNKNOWN, rate
-from imugap.effects import CATALOGUE
+from imugap.effects import CATALOGUE, title_of
 from imugap.figures import sealed_trials as drawn
 from imugap.log import AXES
 from imugap.study import verdicts
@@ -39,7 +39,7 @@ def loss_table(curves):
 def loss_page(losses):
     """Lay the losses out, a row for each effect."""
     return pd.DataFrame({
-        "hidden": losses["name"].str.replace("_", " "),
+        "hidden": losses["name"].map(title_of),
         "cases": losses["count"],
         "one half found at [limits]": [
             f"{one.half:.2f} [{one.low:.2f}, {one.high:.2f}]".replace("inf", "∞") for one in losses.itertuples()
@@ -105,7 +105,7 @@ def numbers(table, losses):
         "effects": len(losses),
         "median_loss": tables.number(float(losses["loss"].median()), 2),
         "largest_loss": tables.number(float(found["loss"].max()), 2),
-        "largest_name": str(found.loc[found["loss"].idxmax(), "name"]).replace("_", " "),
+        "largest_name": title_of(str(found.loc[found["loss"].idxmax(), "name"])),
         "beyond": int((losses["loss"] > MAX_LOSS).sum()),
         "choices": CHOICES,
         "bound": f"{bonferroni_half_size(CHOICES):.2f}",

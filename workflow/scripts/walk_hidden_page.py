@@ -5,6 +5,7 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
+from imugap.effects import title_of
 from imugap.model import ErrorModel
 from imugap.study.walk_naming import score, summary
 from imugap.workflow import tables
@@ -27,7 +28,7 @@ def truth(cases):
 
 def listed(rows):
     """Return names and axes of findings as text."""
-    return "; ".join(f"{one.name.replace('_', ' ')} ({said(one.axis)})" for one in rows.itertuples()) or "none"
+    return "; ".join(f"{title_of(one.name)} ({said(one.axis)})" for one in rows.itertuples()) or "none"
 
 
 def said(axes):
@@ -51,9 +52,9 @@ def innovations(rows):
     if rows.empty:
         return "none"
     first = rows.iloc[0]
-    others = sorted({name.replace("_", " ") for name in rows["name"]} - {first["name"].replace("_", " ")})
+    others = sorted({title_of(name) for name in rows["name"]} - {title_of(first["name"])})
     also = f"; or {', '.join(others)}" if others else ""
-    return f"{first['name'].replace('_', ' ')} ({first['axis']}), {abs(first['deviate']):.1f} σ{also}"
+    return f"{title_of(first['name'])} ({first['axis']}), {abs(first['deviate']):.1f} σ{also}"
 
 
 def page(found, scores):
@@ -61,7 +62,7 @@ def page(found, scores):
     for case in scores.itertuples():
         one = found[found["case"] == case.case]
         of = {how: one[one["how"] == how] for how in ("exact", "place", "integrity", "innovations")}
-        hidden = case.hidden.replace("_", " ") + (f" ({said(case.axes)})" if case.there else "")
+        hidden = title_of(case.hidden) + (f" ({said(case.axes)})" if case.there else "")
         row = {"hidden": hidden, "named with the exact reference": listed(of["exact"])}
         row |= {"most significant places": places(of["place"]), "named by the log alone": listed(of["integrity"])}
         row |= {"named by zero velocity": innovations(of["innovations"]), "scatter": tables.number(case.scatter, 2)}

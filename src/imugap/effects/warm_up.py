@@ -20,6 +20,7 @@ class WarmUp(SystematicEffect):
     """Exponential approach to the final bias, amplitude exp(-t/T) from power-on at t = 0."""
 
     name: ClassVar[str] = "warm_up"
+    title: ClassVar[str] = "warm-up"
     of_time: ClassVar[bool] = True
     transient: ClassVar[bool] = True
     memoryless: ClassVar[bool] = True
