@@ -30,7 +30,7 @@ def page(found):
     return pd.DataFrame({
         "logs": found["source"].str.upper().replace(SEALED.upper(), SEALED),
         "name": found["name"].map(title_of),
-        "wrong name": found["rivals"].map(title_of),
+        "wrong name": found["rivals"].map(lambda names: ", ".join(map(title_of, names.split(", ")))),
         "gain of the name": found["gain"].map(tables.number),
         "gain of the wrong name": found["rival_gain"].map(tables.number),
         "name ahead": [f"{round(one.rate * one.count_)} of {one.count_}" for one in
