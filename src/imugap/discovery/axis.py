@@ -45,6 +45,8 @@ MAX_LOG_PLACES = 12.0
 """Logarithm of the maximum number of places at which an effect is tried."""
 MAX_BANDS = 4
 """Maximum number of bands of unsteady lines; with more, the spectrum is not one of lines."""
+MIN_ADDITIONS_FOR_UNNAMED = 4
+"""Number of additions from which an unnamed effect is compared with all further proposals."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,8 +284,10 @@ def _search(
 def _unnamed_gain(search: Search, remove_lines: bool, fit: AxisFit) -> float:
     """Return the gain of log-likelihood by unnamed effects over a fit; infinite where an unsteady line is removed next.
 
-    ``remove_lines`` says whether unsteady lines are removed.
+    A fit of few added effects has none. ``remove_lines`` says whether unsteady lines are removed.
     """
+    if len(search.added(fit)) < MIN_ADDITIONS_FOR_UNNAMED:
+        return -np.inf
     return np.inf if remove_lines and wandering_lines.find_bands(fit) else motion_gain(search, fit)
 
 

@@ -63,7 +63,7 @@ def test_what_a_filter_gains_is_known_before_it_is_fitted(cutoff, slow):
     before = fit(data, description)
     search = Search(description, KINDS, LOG_ALPHA)
     for start in OutputFilter.starts(before):
-        expected, beside = behind_filter(start, before)
-        found = search.trial_of(expected, before, beside)
+        expected, noise = behind_filter(start, before)
+        found = search.trial_of(expected, before, description.with_noise(noise))
         assert found.gain == pytest.approx(expected.gain - MAX_RESHAPING_GAIN, abs=MAX_RESHAPING_GAIN / 3)
         assert may_reach(expected, LOG_ALPHA) or found.log_p > LOG_ALPHA

@@ -6,6 +6,7 @@ addition every added effect is removed and exchanged for every other, so that an
 does not stay.
 """
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
@@ -16,6 +17,7 @@ from scipy.stats import chi2
 
 from imugap.discovery.fit.axis_fit import AxisFit, fit
 from imugap.discovery.fit.description import Description, Entry
+from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.pairs import Pair, SmoothTerms
@@ -28,12 +30,13 @@ TAIL_SHAPES = 100.0
 """Upper bound of the number of independent shapes of a heavy-tailed distribution."""
 MAX_ADDITIONS = 12
 """Maximum number of additions to one axis."""
-MIN_ADDITIONS_FOR_UNNAMED = 4
-"""Number of additions from which an unnamed effect is compared with all further proposals."""
 MAX_EXACT_GAIN = 300.0
 """Gain of log-likelihood above which the asymptote of its probability is used."""
 MIN_EXCHANGE_GAIN = 0.1
 """Minimum gain of log-likelihood of an exchange, after the cost of parameters and places."""
+MIN_GAIN_CHANGE, MIN_RELATIVE_GAIN_CHANGE = 1.0, 0.05
+"""Change of the gain of log-likelihood of an effect, and relative to it, by which a further effect may explain what it
+stood for: it is examined again."""
 MAX_CACHED_SAMPLES = 3e6
 """Maximum number of samples of all fits whose derived arrays are kept in memory."""
 OUTLIER_ROUNDS = 3
@@ -235,19 +238,18 @@ class Search:
                 before = self.refit_outliers_and_changes(self.refined(wide.fit))
                 continue
             most = max((one.fit.log_likelihood - before.log_likelihood for one in trials), default=0.0)
-            many = len(self.added(before)) >= MIN_ADDITIONS_FOR_UNNAMED
-            if trials and many and nameless(before) > MAX_ADDITIONS * most:
+            if trials and nameless(before) > MAX_ADDITIONS * most:
                 break
             if trials and trials[0].log_p < self.log_alpha:
                 pair = self.pair(before, trials[0])
                 first = not self.added(before) and pair is None
                 before = self.refit_outliers_and_changes(
-                    trials[0].fit if first else self.refined((pair or trials[0]).fit)
+                    trials[0].fit if first else self.refined((pair or trials[0]).fit, before)
                 )
                 continue
-            hopes = (self.refined(trial.fit, type(trial.effect)) for trial in trials[:MAX_UNCERTAIN])
-            proven = next((after for after in hopes if self._all_certain(after, before)), None)
-            if proven is None:
+            hopes = (self.refined(trial.fit, before, type(trial.effect)) for trial in trials[:MAX_UNCERTAIN])
+            proven = next((after for after in hopes if self._all_certain(after, before)), self.refined(before))
+            if proven is before:
                 break
             before = proven
         return before
@@ -274,18 +276,25 @@ class Search:
         for kind in self.catalogue:
             if sum(isinstance(one, kind) for one in before.description.effects()) > (kind.most or MAX_ADDITIONS):
                 continue
+            if kind.role is Role.FILTER:
+                yield from self._filters(kind, before, bar, whole)
+                continue
             for start in kind.starts(before):
-                if kind.role is Role.FILTER:
-                    if whole is not None and not self._may_reach_behind(start, before, whole, bar):
-                        continue
-                    start, beside = behind_filter(start, before)
-                    if may_reach(start, bar):
-                        trial = self.trial_of(start, before, beside)
-                        if not before.sequence.in_motion or noise_shows_filter(trial, self.log_alpha):
-                            yield trial
-                elif _moves(start.effect, before) or may_reach(start, bar):
+                if _moves(start.effect, before) or may_reach(start, bar):
                     yield self.trial_of(start, before)
         yield from self._noise_instead(before)
+
+    def _filters(self, kind: type[Effect], before: AxisFit, bar: float, whole: AxisFit | None) -> Iterator[Trial]:
+        """Yield the filters of every shape, the noise behind each fitted from that behind the one before."""
+        noise = None
+        for start in kind.starts(before):
+            if whole is not None and not self._may_reach_behind(start, before, whole, bar):
+                continue
+            start, noise = behind_filter(start, before, None if before.sequence.in_motion else noise)
+            if may_reach(start, bar):
+                trial = self.trial_of(start, before, before.description.with_noise(noise))
+                if not before.sequence.in_motion or noise_shows_filter(trial, self.log_alpha):
+                    yield trial
 
     def _may_reach_behind(self, start: Start, before: AxisFit, whole: AxisFit, bar: float) -> bool:
         """Return whether a filter may come below ``bar``, by what it reaches with more effects.
@@ -296,7 +305,8 @@ class Search:
             return True
         key = whole.description, start.effect
         if key not in self.behind:
-            filtered, beside = behind_filter(start, whole)
+            filtered, noise = behind_filter(start, whole)
+            beside = whole.description.with_noise(noise)
             self.behind[key] = self.trial_of(filtered, whole, beside).fit.log_likelihood
         return may_reach(replace(start, gain=self.behind[key] - before.log_likelihood), bar)
 
@@ -393,20 +403,48 @@ class Search:
         gain = (after.log_likelihood - before.log_likelihood) / start.level
         return Trial(start.effect, after, gain, len(start.free), start.trials)
 
-    def refined(self, found: AxisFit, hoped: type[Effect] | None = None) -> AxisFit:
+    def refined(
+        self, found: AxisFit, settled: AxisFit | None = None, hoped: type[Effect] | None = None
+    ) -> AxisFit:
         """Remove or exchange every added effect that is not significant, or for which another one is worth more.
 
-        Effects of the kind ``hoped`` come last: the exchange of the others may make them significant.
+        Parameters
+        ----------
+        found
+            Fit to begin with.
+        settled
+            Fit with fewer effects. What is worth as much as in it is not exchanged unless another effect is; None to
+            examine all.
+        hoped
+            Kind of effects that come last: the exchange of the others may make them significant.
         """
         for _ in range(MAX_ADDITIONS):
-            added = self.added(found, lambda effect: effect.role is not Role.OUTLIERS)
+            added = self.added(found, _adjusted) if settled is None else self._touched(found, settled)
             if hoped is not None:
                 added.sort(key=lambda candidate: isinstance(candidate.effect, hoped))
             changed = next((other for one in added if (other := self._improvement(one)) is not None), None)
             if changed is None:
                 return found
-            found = changed
+            found, settled = changed, None
         return found
+
+    def _touched(self, found: AxisFit, settled: AxisFit) -> list["Candidate"]:
+        """Return the added effects of a fit that a smaller fit does not have, or whose gain differs from that in it."""
+        earlier = {key: one.trial.gain for key, one in self._by_kind(settled)}
+
+        def touched(key: tuple[type[Effect], int], now: float) -> bool:
+            if key not in earlier:
+                return True
+            return abs(now - earlier[key]) > max(MIN_GAIN_CHANGE, MIN_RELATIVE_GAIN_CHANGE * abs(now))
+
+        return [one for key, one in self._by_kind(found) if touched(key, one.trial.gain)]
+
+    def _by_kind(self, found: AxisFit) -> Iterator[tuple[tuple[type[Effect], int], "Candidate"]]:
+        """Yield the added effects of a fit, each with its kind and the number of those of its kind before it."""
+        counts = Counter()
+        for one in self.added(found, _adjusted):
+            yield (type(one.effect), counts[type(one.effect)]), one
+            counts[type(one.effect)] += 1
 
     def pruned(self, found: AxisFit) -> AxisFit:
         """Return the fit without the added effects that are not significant."""
@@ -419,7 +457,7 @@ class Search:
         if own.log_p > self.log_alpha:
             return without
         bar = min(self.log_alpha, own.log_p + LOG_P_MARGIN)
-        tried = self.trials(without, bar, candidate.fit)
+        tried = (one for one in self.trials(without, bar, candidate.fit) if one.log_p < bar)
         others = (one for one in tried if _another(one.effect, own.effect) or one.parameters < own.parameters)
         best = max(others, key=lambda trial: trial.worth, default=None)
         if best is not None and best.worth > own.worth + MIN_EXCHANGE_GAIN:
@@ -506,6 +544,11 @@ def entry_of(start: Start) -> Entry:
     return Entry(start.effect, start.free) if start.effect.role is Role.MEAN else Entry.of(start.effect)
 
 
+def _adjusted(effect: Effect) -> bool:
+    """Return whether an effect is adjusted by the fit: outliers are not."""
+    return effect.role is not Role.OUTLIERS
+
+
 def changing(effect: Effect) -> bool:
     """Return whether an effect changes the variance."""
     return effect.role is Role.VARIANCE
@@ -538,23 +581,34 @@ def little(effect: StochasticEffect) -> StochasticEffect:
     return replace(effect, **{effect.size(): KEPT_SIZE_SHARE * getattr(effect, effect.size())})
 
 
-def behind_filter(start: Start, before: AxisFit) -> tuple[Start, Description]:
-    """Return the start of a filter, and the description with the noise behind it, from which its fit converges.
+def behind_filter(start: Start, before: AxisFit, near: Noise | None = None) -> tuple[Start, Noise]:
+    """Return the start of a filter, and the noise behind it, from which its fit converges.
 
     Without the filter the noise was fitted to the filtered spectrum, far from its own. The gain of the noise is known
     here; that of the terms, and that of the filtered input, are not.
+
+    Parameters
+    ----------
+    near
+        Noise behind a filter of another shape from which to begin; None to begin at :data:`CUTOFF_FACTORS`.
     """
-    description, sequence = before.description, before.sequence
+    sequence = before.sequence
+    if near is None:
+        begun = [
+            replace(before.description.noise, output_filter=replace(start.effect, cutoff=factor * start.effect.cutoff))
+            for factor in CUTOFF_FACTORS
+        ]
+    else:
+        cutoff = min(near.output_filter.cutoff, start.effect.highest(sequence.conditions.interval))
+        begun = [replace(near, output_filter=replace(start.effect, cutoff=cutoff))]
     fits = []
-    for factor in CUTOFF_FACTORS:
-        filtered = replace(start.effect, cutoff=factor * start.effect.cutoff)
-        noise, power = replace(description.noise, output_filter=filtered), before.power_behind(filtered)
-        both = noise, noise.beneath(sequence.bins, power)
+    for noise in begun:
+        power = before.power_behind(noise.output_filter)
+        both = (noise, noise.beneath(sequence.bins, power)) if near is None else (noise,)
         fits += [fit_noise(one, sequence.bins, power, held=sequence.in_motion) for one in both]
     best = max(fits, key=lambda one: one.log_likelihood)
-    beside = description.with_noise(replace(best.noise, output_filter=None))
     gain = np.inf if sequence.in_motion else best.log_likelihood - before.noise.log_likelihood + MAX_RESHAPING_GAIN
-    return replace(start, effect=best.noise.output_filter, gain=gain), beside
+    return replace(start, effect=best.noise.output_filter, gain=gain), best.noise
 
 
 def noise_shows_filter(filtered: Trial, log_alpha: float) -> bool:

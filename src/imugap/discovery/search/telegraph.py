@@ -31,7 +31,7 @@ def told_apart(search: Search, found: AxisFit) -> AxisFit:
         if entry.effect in slow:
             kept = kept.with_effect(index, little(entry.effect))
     exchanged = _without_switches(search, fit(found.sequence, kept.adding(comparison.effect)))
-    beside = _stepless(search).explore(exchanged)
+    beside = _stepless(search).explore(exchanged, _end_without_telegraph)
     return _one_telegraph(search, beside) if beside.has(RandomTelegraph) else exchanged
 
 
@@ -108,6 +108,11 @@ def _one_telegraph(search: Search, found: AxisFit) -> AxisFit:
         return found
     one = compare(found, tuple(candidate.effect for candidate in added)).effect
     return fit(found.sequence, without(found, added).description.adding(one))
+
+
+def _end_without_telegraph(found: AxisFit) -> float:
+    """Return the gain that ends a search: any where the fit has no telegraph noise any more."""
+    return -np.inf if found.has(RandomTelegraph) else np.inf
 
 
 def _stepless(search: Search) -> Search:
