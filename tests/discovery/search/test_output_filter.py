@@ -67,3 +67,17 @@ def test_what_a_filter_gains_is_known_before_it_is_fitted(cutoff, slow):
         found = search.trial_of(expected, before, description.with_noise(noise))
         assert found.gain == pytest.approx(expected.gain - MAX_RESHAPING_GAIN, abs=MAX_RESHAPING_GAIN / 3)
         assert may_reach(expected, LOG_ALPHA) or found.log_p > LOG_ALPHA
+
+
+@pytest.mark.parametrize("slow", [(), (GaussMarkov(3e-4, 20.0),), (RandomWalk(3e-5),), (BiasInstability(1e-4),)])
+@pytest.mark.parametrize(("cutoff", "shape"), [(0.2, (1, 1)), (0.5, (2, 0)), (3.0, (1, 3)), (12.0, (4, 2))])
+def test_the_best_filter_is_as_likely_from_one_of_another_order_as_alone(cutoff, shape, slow):
+    data = behind(sequence(*slow, count=6000), OutputFilter(cutoff, *shape))
+    before = fit(data, Description.known(WHITE, *slow))
+    alone, chained, noise = [], [], None
+    for start in OutputFilter.starts(before):
+        alone.append(behind_filter(start, before)[0].gain)
+        alike = noise is not None and noise.output_filter.form == start.effect.form
+        found, noise = behind_filter(start, before, noise if alike else None)
+        chained.append(found.gain)
+    assert max(chained, default=0.0) > max(alone, default=0.0) - 1.0

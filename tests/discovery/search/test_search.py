@@ -18,10 +18,11 @@ from tests.discovery.simulated import (
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.search import Search
+from imugap.discovery.search.search import Search, Trial
 from imugap.effects import (
     BiasInstability,
     BiasStep,
+    Chirp,
     GaussMarkov,
     Outliers,
     OutputFilter,
@@ -194,3 +195,33 @@ def test_slow_noise_beside_a_walk_of_the_start_model_is_found():
     before = fit(log, Description.known(*effects[:2]))
     after = Search(before.description, KINDS, LOG_ALPHA).explore(before)
     assert [effect.name for effect in after.description.noise.effects[2:]] == ["gauss_markov"]
+
+
+class _Tempted(Search):
+    """Search with one proposal, which is worth more than others, and of a gain given by the sequence."""
+
+    gain = 0.0
+
+    def trials(self, before, bar, whole=None):
+        yield Trial(RandomWalk(1e-5), before, self.gain, 1, 1.0)
+
+
+class _TemptedByUncertain(_Tempted):
+    gain = 7.5
+
+
+class _TemptedByCertain(_Tempted):
+    gain = 12.0
+
+
+@pytest.mark.parametrize(("kind", "exchanged"), [(_TemptedByUncertain, False), (_TemptedByCertain, True)])
+def test_an_effect_is_exchanged_only_for_one_that_is_certain(kind, exchanged):
+    """An uncertain one is removed next, and the first one added again, without an end."""
+    known, chirp = Description.known(WHITE), Chirp(1.2, 1e-3, 6.85e-4)
+    found = fit(sequence(chirp, count=6000), known.adding(chirp))
+    search = kind(known, (*KINDS, Chirp), LOG_ALPHA)
+    (own,) = search.added(found)
+    (other,) = search.trials(own.without, 0.0)
+    assert own.significant
+    assert other.worth > own.trial.worth
+    assert (search.refined(found) is not found) == exchanged

@@ -285,12 +285,13 @@ class Search:
         yield from self._noise_instead(before)
 
     def _filters(self, kind: type[Effect], before: AxisFit, bar: float, whole: AxisFit | None) -> Iterator[Trial]:
-        """Yield the filters of every shape, the noise behind each fitted from that behind the one before."""
+        """Yield the filters of every shape, the noise behind each fitted from that behind the one of its form before."""
         noise = None
         for start in kind.starts(before):
             if whole is not None and not self._may_reach_behind(start, before, whole, bar):
                 continue
-            start, noise = behind_filter(start, before, None if before.sequence.in_motion else noise)
+            alike = noise is not None and noise.output_filter.form == start.effect.form
+            start, noise = behind_filter(start, before, noise if alike and not before.sequence.in_motion else None)
             if may_reach(start, bar):
                 trial = self.trial_of(start, before, before.description.with_noise(noise))
                 if not before.sequence.in_motion or noise_shows_filter(trial, self.log_alpha):
@@ -403,9 +404,7 @@ class Search:
         gain = (after.log_likelihood - before.log_likelihood) / start.level
         return Trial(start.effect, after, gain, len(start.free), start.trials)
 
-    def refined(
-        self, found: AxisFit, settled: AxisFit | None = None, hoped: type[Effect] | None = None
-    ) -> AxisFit:
+    def refined(self, found: AxisFit, settled: AxisFit | None = None, hoped: type[Effect] | None = None) -> AxisFit:
         """Remove or exchange every added effect that is not significant, or for which another one is worth more.
 
         Parameters
@@ -590,7 +589,7 @@ def behind_filter(start: Start, before: AxisFit, near: Noise | None = None) -> t
     Parameters
     ----------
     near
-        Noise behind a filter of another shape from which to begin; None to begin at :data:`CUTOFF_FACTORS`.
+        Noise behind a filter of another order from which to begin; None to begin at :data:`CUTOFF_FACTORS`.
     """
     sequence = before.sequence
     if near is None:
@@ -604,7 +603,7 @@ def behind_filter(start: Start, before: AxisFit, near: Noise | None = None) -> t
     fits = []
     for noise in begun:
         power = before.power_behind(noise.output_filter)
-        both = (noise, noise.beneath(sequence.bins, power)) if near is None else (noise,)
+        both = noise, noise.beneath(sequence.bins, power)
         fits += [fit_noise(one, sequence.bins, power, held=sequence.in_motion) for one in both]
     best = max(fits, key=lambda one: one.log_likelihood)
     gain = np.inf if sequence.in_motion else best.log_likelihood - before.noise.log_likelihood + MAX_RESHAPING_GAIN
