@@ -285,7 +285,7 @@ class Search:
         yield from self._noise_instead(before)
 
     def _filters(self, kind: type[Effect], before: AxisFit, bar: float, whole: AxisFit | None) -> Iterator[Trial]:
-        """Yield the filters of every shape, the noise behind each fitted from that behind the one of its form before."""
+        """Yield the filters of all shapes, the noise behind each fitted from that behind the one of its form before."""
         noise = None
         for start in kind.starts(before):
             if whole is not None and not self._may_reach_behind(start, before, whole, bar):
