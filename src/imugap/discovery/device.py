@@ -26,7 +26,7 @@ from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.start_model import described, noisy
 from imugap.discovery.gravity import SensedGravity
 from imugap.discovery.nameless_noise import NamelessNoise, describe
-from imugap.discovery.over_runs import OverRuns, not_needed, not_recurring, search_over_runs
+from imugap.discovery.over_runs import OverRuns, better_over_runs, not_needed, not_recurring, search_over_runs
 from imugap.discovery.pooling import agree_on_noise, name_pooled, pooled_finding, search_each
 from imugap.discovery.posterior import posterior
 from imugap.discovery.preparation.prepare import PreparedLog, prepare
@@ -47,7 +47,7 @@ FARTHER = "the model with it is farther from data that no fit has seen"
 OF_EITHER = "it may be of the reference"
 NOT_SEARCHED = "it is not among the effects that are searched for"
 NOT_RECURRING = "further runs are less likely with it"
-BY_ALL_RUNS = "noise that only all runs together show explains it"
+BY_ALL_RUNS = "what only all runs together show explains it"
 """Reasons for withdrawing an effect."""
 OTHER_STEPS = 4
 """Steps besides the two of each axis."""
@@ -396,7 +396,7 @@ def _to_withdraw(stage: _Measured, withdrawn: Withdrawn) -> Withdrawn:
         found = stage.results[axis].findings
         kinds = {type(finding.effects[axis]) for finding in found}
         alone = type(not_recurring(stage.whole[axis], stage.further[axis]))
-        replaced = type(not_needed(stage.over_runs[axis], stage.log_alpha))
+        replaced = type(_explained_over_runs(stage, axis))
         if alone in kinds:
             more[axis] = {**more.get(axis, {}), alone: NOT_RECURRING}
         elif replaced in kinds:
@@ -405,6 +405,13 @@ def _to_withdraw(stage: _Measured, withdrawn: Withdrawn) -> Withdrawn:
             worst = min(found, key=lambda finding: finding.log_score_gain)
             more[axis] = {**more.get(axis, {}), type(worst.effects[axis]): FARTHER}
     return more
+
+
+def _explained_over_runs(stage: _Compared, axis: str) -> Effect | None:
+    """Return an effect of the first run that what all runs together show explains, or None."""
+    runs = (stage.whole[axis], *stage.further[axis])
+    stands_in = better_over_runs(runs, stage.settings.catalogue, stage.log_alpha)
+    return stands_in or not_needed(stage.over_runs[axis], stage.log_alpha)
 
 
 def _prepare(
@@ -497,7 +504,9 @@ def _assemble(stage: _Compared) -> _Assembled:
     """Order all findings, and assemble the models of the device before and after."""
     own = (_of_device(one, stage) for result in stage.results.values() for one in result.findings)
     alone = (*own, *map(pooled_finding, stage.joints))
-    findings = _ordered((*alone, *_noise_findings(stage.whole, stage.settings.start), *stage.beyond_axes))
+    of_all_runs = (term.finding(axis) for axis, one in stage.over_runs.items() for term in one.terms)
+    noise = _noise_findings(stage.whole, stage.settings.start)
+    findings = _ordered((*alone, *of_all_runs, *noise, *stage.beyond_axes))
     switching = {axis: (one.switching,) for axis, one in stage.results.items() if one.switching is not None}
     model = partial(device_model, known=stage.known, findings=stage.beyond_axes, beside=switching)
     start = device_model(stage.before, stage.known)

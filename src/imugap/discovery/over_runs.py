@@ -4,9 +4,10 @@ The likelihood of all runs together has its maximum at the parameters of the dev
 scatter more than their information where the parameters differ from run to run (the sandwich of Huber 1967, with each
 run as one independent unit); what exceeds the information is the scatter of the parameters.
 
-Processes too faint for one run are searched for in all runs together. One counts where it is significant without the
-run that gains most by it: a process of the device recurs. It describes the noise, and is not named: the checks of names
-need a run that shows it.
+Processes and systematic effects too faint for one run are searched for in all runs together. One counts where it is
+significant without the run that gains most by it: what is of the device recurs. A process describes the noise, and is
+not named: the checks of names need a run that shows it. A systematic effect is named: that all runs repeat it, with one
+sign and size, is its check.
 """
 
 from collections.abc import Iterator, Sequence
@@ -14,13 +15,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from imugap.discovery.finding import MIN_LOG_P, Finding
+from imugap.discovery.finding import MIN_LOG_P, Finding, Rival
 from imugap.discovery.fit.axis_fit import AxisFit, fit, log_score
 from imugap.discovery.fit.description import Description
 from imugap.discovery.fit.whittle import PRIOR_LOG_STD, NoiseFit, NoiseSpectra, log_likelihood
 from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.search.intervals import intervals
-from imugap.discovery.search.search import Trial, log_p_of_gain
+from imugap.discovery.search.search import MIN_EXCHANGE_GAIN, Trial, log_p_of_gain
+from imugap.discovery.shared_term import SharedTerm, fit_to_runs, repeats, with_term
 from imugap.effects.effect import Effect, Role
 
 RECURRING = (Role.MEAN, Role.NOISE, Role.FILTER)
@@ -31,12 +33,14 @@ MIN_ODDS = 20.0
 Runs of a device that has it reach them with a probability of at most 1/20 (Markov's inequality).
 """
 MAX_ADDITIONS = 4
-"""Maximum number of processes of an axis that only all runs together show."""
+"""Maximum number of effects of an axis that only all runs together show."""
+TERM_ROUNDS = 2
+"""Rounds in which a systematic effect and the noise of all runs are fitted in turn."""
 
 
 @dataclass(frozen=True, eq=False)
 class OverRuns:
-    """Noise of one axis over all runs of a device.
+    """Noise of one axis over all runs of a device, and what all runs repeat.
 
     Attributes
     ----------
@@ -46,15 +50,23 @@ class OverRuns:
         Fit of the first run with the noise of all runs.
     added
         The processes that only all runs together show; they are the last of the noise.
+    terms
+        The systematic effects that only all runs together show.
     """
 
     runs: tuple[AxisFit, ...]
     fit: AxisFit
     added: tuple[Trial, ...] = ()
+    terms: tuple[SharedTerm, ...] = ()
+
+    @property
+    def axis(self) -> str:
+        """Return the name of the axis."""
+        return self.fit.sequence.conditions.axis
 
     def findings(self) -> list[Finding]:
         """Return the added processes, with their values and intervals of all runs."""
-        axis, description = self.fit.sequence.conditions.axis, self.fit.description
+        axis, description = self.axis, self.fit.description
         indices = _processes(description)[-len(self.added) :] if self.added else []
         return [
             Finding(
@@ -71,7 +83,7 @@ class OverRuns:
         )
         first = len(_processes(self.fit.description)) - len(self.added)
         added = tuple(trial for place, trial in enumerate(self.added) if first + place != number)
-        return OverRuns(runs, fit_over_runs(runs), added)
+        return OverRuns(runs, fit_over_runs(runs), added, self.terms)
 
     def log_p_without(self, number: int) -> float:
         """Return the log p-value of the likelihood ratio of all processes and those without the one of a number."""
@@ -99,12 +111,23 @@ def search_over_runs(runs: Sequence[AxisFit], catalogue: Sequence[type[Effect]],
     """
     found = OverRuns(tuple(runs), fit_over_runs(runs))
     for _ in range(MAX_ADDITIONS if len(runs) > 1 else 0):
-        significant = (one for one in _trials(found, catalogue) if one.added[-1].log_p < log_alpha)
-        best = max(significant, key=lambda one: one.added[-1].worth, default=None)
+        trials = [*_process_trials(found, catalogue), *_term_trials(found, catalogue)]
+        significant = ((trial, after) for trial, after in trials if trial.log_p < log_alpha)
+        best, after = max(significant, key=lambda one: one[0].worth, default=(None, found))
         if best is None:
             break
-        found = _pruned(best, log_alpha)
+        found = _pruned(after, log_alpha) if best.effect.role is Role.NOISE else _with_rivals(after, best, trials)
     return found
+
+
+def _with_rivals(found: OverRuns, best: Trial, trials: Sequence[tuple[Trial, OverRuns]]) -> OverRuns:
+    """Return what was found with the other trials as rivals of its last systematic effect."""
+    rivals = tuple(
+        Rival(trial.name, trial.worth - best.worth, after.fit.description.effects())
+        for trial, after in trials
+        if trial.name != best.name
+    )
+    return replace(found, terms=(*found.terms[:-1], replace(found.terms[-1], rivals=rivals)))
 
 
 def _pruned(found: OverRuns, log_alpha: float) -> OverRuns:
@@ -115,7 +138,7 @@ def _pruned(found: OverRuns, log_alpha: float) -> OverRuns:
     return found if number is None else _pruned(found.without(number), log_alpha)
 
 
-def _trials(before: OverRuns, catalogue: Sequence[type[Effect]]) -> Iterator[OverRuns]:
+def _process_trials(before: OverRuns, catalogue: Sequence[type[Effect]]) -> Iterator[tuple[Trial, OverRuns]]:
     """Yield each kind of random process, added where a run has most room for it."""
     runs = _sharing_noise(before.runs, before.fit)
     scores = _noise_scores(runs)
@@ -127,7 +150,25 @@ def _trials(before: OverRuns, catalogue: Sequence[type[Effect]]) -> Iterator[Ove
         fit = fit_over_runs(wider)
         gains = _noise_scores(_sharing_noise(wider, fit)) - scores
         trial = Trial(start.effect, fit, float(gains.sum() - gains.max()), len(start.free), start.trials)
-        yield OverRuns(wider, fit, (*before.added, trial))
+        yield trial, replace(before, runs=wider, fit=fit, added=(*before.added, trial))
+
+
+def _term_trials(before: OverRuns, catalogue: Sequence[type[Effect]]) -> Iterator[tuple[Trial, OverRuns]]:
+    """Yield each kind of systematic effect that runs repeat, with each of its laws."""
+    runs = _sharing_noise(before.runs, before.fit)
+    scores = _noise_scores(runs)
+    for kind in filter(repeats, catalogue):
+        for proposed in zip(*(kind.starts(one) for one in runs), strict=False):
+            start, noisy = max(proposed, key=lambda start: start.gain), runs
+            for _ in range(TERM_ROUNDS):
+                entry, covariance = fit_to_runs(noisy, start)
+                wider = with_term(runs, entry)
+                fit = fit_over_runs(wider)
+                noisy = _sharing_noise(runs, fit)
+            gains = _noise_scores(_sharing_noise(wider, fit)) - scores
+            trial = Trial(entry.effect, fit, float(gains.sum() - gains.max()), len(start.free), start.trials)
+            term = SharedTerm(entry, covariance, trial)
+            yield trial, replace(before, runs=wider, fit=fit, terms=(*before.terms, term))
 
 
 def _sharing_noise(runs: Sequence[AxisFit], shared: AxisFit) -> list[AxisFit]:
@@ -148,6 +189,20 @@ def not_needed(found: OverRuns, log_alpha: float) -> Effect | None:
     first = entries[: len(entries) - len(found.added)] if found.added else []
     numbers = (i for i, entry in enumerate(first) if not entry.known and found.log_p_without(i) > log_alpha)
     return next((first[number].effect for number in numbers), None)
+
+
+def better_over_runs(runs: Sequence[AxisFit], catalogue: Sequence[type[Effect]], log_alpha: float) -> Effect | None:
+    """Return the systematic effect of the first run in the place of which all runs together show another, or None."""
+    for index, entry in enumerate(runs[0].description.entries):
+        if entry.known or not repeats(type(entry.effect)) or len(runs) == 1:
+            continue
+        left = tuple(fit(one.sequence, one.description.without([index])) for one in runs)
+        trials = [trial for trial, _ in _term_trials(OverRuns(left, fit_over_runs(left)), catalogue)]
+        own = max((trial.worth for trial in trials if trial.name == entry.effect.name), default=-np.inf)
+        others = (one for one in trials if one.name != entry.effect.name and one.log_p < log_alpha)
+        if max((one.worth for one in others), default=-np.inf) > own + MIN_EXCHANGE_GAIN:
+            return entry.effect
+    return None
 
 
 def recurring(description: Description) -> Description:

@@ -1,0 +1,120 @@
+"""Systematic effects that every run of a device repeats: answers to temperature, and to the time since power-on.
+
+Slow noise hides them in one run. Their parameters are those of all runs, fitted to all residuals together, each run
+weighted by the inverse of its own spectrum (generalised least squares).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from imugap.discovery.finding import MIN_LOG_P, Finding, Interval, Rival
+from imugap.discovery.fit.axis_fit import AxisFit, fit, jacobian
+from imugap.discovery.fit.description import Entry
+from imugap.discovery.search.intervals import NORMAL_QUANTILE, axis_unit
+from imugap.discovery.search.search import Trial, entry_of
+from imugap.effects.effect import Effect, Role, Start
+
+MAX_STEPS = 12
+"""Maximum number of steps of Gauss and Newton."""
+MIN_STEP_GAIN = 1e-3
+"""Gain of log-likelihood below which a step is the last."""
+
+
+def repeats(kind: type[Effect]) -> bool:
+    """Return whether every run of a device has an effect of a kind, by the same parameters."""
+    return kind.role is Role.MEAN and not (kind.event or kind.tonal or kind.of_motion)
+
+
+@dataclass(frozen=True, eq=False)
+class SharedTerm:
+    """Effect that all runs of a device repeat.
+
+    Attributes
+    ----------
+    entry
+        The effect with the values of all runs, and its free parameters.
+    covariance
+        Covariance of the free parameters, shape (parameters, parameters): the larger of what the spectra give and what
+        the scatter of the runs gives (the sandwich of Huber 1967, each run one unit).
+    trial
+        The likelihood ratio, without the run that gains most.
+    rivals
+        Other effects in its place.
+    """
+
+    entry: Entry
+    covariance: np.ndarray
+    trial: Trial
+    rivals: tuple[Rival, ...] = ()
+
+    def finding(self, axis: str) -> Finding:
+        """Return the effect on an axis, with its intervals."""
+        effect, unit = self.entry.effect, self.entry.effect.units(axis_unit(axis))
+        widths = (NORMAL_QUANTILE * np.sqrt(np.diag(self.covariance))).tolist()
+        errors = dict(zip(self.entry.free, widths, strict=True))
+        ends = {name: (value, errors.get(name, 0.0)) for name, value in effect.parameters().items()}
+        near = tuple((one.name, one.log_bayes_factor) for one in self.rivals if one.log_bayes_factor > -NORMAL_QUANTILE)
+        return Finding(
+            {axis: effect},
+            {name: Interval(value, value - error, value + error, unit[name]) for name, (value, error) in ends.items()},
+            max(self.trial.log_p, MIN_LOG_P),
+            self.trial.gain,
+            alternatives=near,
+            rivals=self.rivals,
+        )
+
+
+def fit_to_runs(runs: Sequence[AxisFit], start: Start) -> tuple[Entry, np.ndarray]:
+    """Return a proposal with the values at which all runs together are most likely, and their covariance.
+
+    Other terms of each run are free to move; its noise stays.
+    """
+    entry = entry_of(start)
+    rest = _rests(runs, entry)
+    for _ in range(MAX_STEPS):
+        precision, scores = _normal_equations(runs, entry, rest)
+        step, scale = np.linalg.pinv(precision, rcond=1e-12, hermitian=True) @ scores.sum(axis=0), 1.0
+        moved = entry.moved(step)
+        after = _rests(runs, moved)
+        while (gained := 0.5 * (_power(rest) - _power(after))) < 0 and scale > MIN_STEP_GAIN:
+            scale /= 3
+            moved = entry.moved(scale * step)
+            after = _rests(runs, moved)
+        if gained <= 0:
+            break
+        entry, rest = moved, after
+        if gained < MIN_STEP_GAIN:
+            break
+    precision, scores = _normal_equations(runs, entry, rest)
+    own = np.linalg.pinv(precision, rcond=1e-12, hermitian=True)
+    scatter = own @ (np.cov(scores.T, ddof=1).reshape(precision.shape) * len(runs)) @ own
+    values, vectors = np.linalg.eigh(scatter - own)
+    return entry, own + (vectors * np.maximum(values, 0.0)) @ vectors.T
+
+
+def with_term(runs: Sequence[AxisFit], entry: Entry) -> tuple[AxisFit, ...]:
+    """Return the runs with an effect of given values, the rest of each fitted anew."""
+    held = replace(entry, free=())
+    return tuple(fit(one.sequence, one.description.adding(held)) for one in runs)
+
+
+def _rests(runs: Sequence[AxisFit], entry: Entry) -> list[np.ndarray]:
+    """Return the whitened residual of each run with an effect, less its own terms, shape (n - 1,)."""
+    held = replace(entry, free=())
+    left = (replace(one, description=one.description.adding(held)).coefficients for one in runs)
+    return [one.beyond(rest[:, None])[:, 0] for one, rest in zip(runs, left, strict=True)]
+
+
+def _normal_equations(
+    runs: Sequence[AxisFit], entry: Entry, rests: Sequence[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the information of the free parameters, of all runs, and the score of each run, (runs, parameters)."""
+    columns = [one.beyond(one.whiten(jacobian([entry], one.sequence))) for one in runs]
+    scores = np.array([of_run.T @ rest for of_run, rest in zip(columns, rests, strict=True)])
+    return sum(of_run.T @ of_run for of_run in columns), scores
+
+
+def _power(rests: Sequence[np.ndarray]) -> float:
+    return float(sum(rest @ rest for rest in rests))
