@@ -9,7 +9,7 @@ from imugap import log
 from imugap.discovery.device import Settings, discover
 from imugap.discovery.over_runs import better_over_runs, search_over_runs
 from imugap.discovery.shared_term import fit_to_runs, repeats
-from imugap.effects import BiasStep, Chirp, RandomWalk, RateRamp, ScaleFactor, Temperature, WarmUp, WhiteNoise
+from imugap.effects import BiasInstability, BiasStep, Chirp, RandomWalk, RateRamp, ScaleFactor, Temperature, WarmUp, WhiteNoise
 from imugap.effects.effect import AxisModel, Start
 from imugap.log import TEMPERATURE
 from imugap.model import ErrorModel
@@ -82,6 +82,20 @@ def test_intervals_hold_the_value_of_the_device(scatter):
     # the scatter of eight runs is little known: by the normal law 91 % of the intervals hold (Student, 7 degrees)
     assert binom.ppf(1e-3, CASES, 0.91) <= held
     assert held <= binom.ppf(0.999, CASES, 0.99)
+
+
+@pytest.mark.slow
+def test_the_interval_holds_beside_noise_that_no_test_shows():
+    """Faint flicker noise is not significant, and most of the error of the coefficient is its."""
+    found, held = 0, 0
+    for case in range(CASES // 2):
+        runs = [run(f"beside {case} {i}", BiasInstability(2e-4), Temperature(4e-4, 25.0)) for i in range(RUNS)]
+        for term in over_runs(*runs).terms:
+            ends = term.finding("gyro_x").parameters["coefficient"]
+            found += term.entry.effect.name == "temperature"
+            held += term.entry.effect.name == "temperature" and ends.low < 4e-4 < ends.high
+    assert found >= 0.9 * CASES // 2
+    assert binom.ppf(1e-3, found, 0.95) <= held
 
 
 def test_what_one_run_takes_for_another_effect_is_told_by_all():

@@ -17,13 +17,13 @@ import numpy as np
 
 from imugap.discovery.finding import MIN_LOG_P, Finding, Rival
 from imugap.discovery.fit.axis_fit import AxisFit, fit, log_score
-from imugap.discovery.fit.description import Description
+from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.fit.whittle import PRIOR_LOG_STD, NoiseFit, NoiseSpectra, log_likelihood
 from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.search.intervals import intervals
 from imugap.discovery.search.search import MIN_EXCHANGE_GAIN, Trial, log_p_of_gain
 from imugap.discovery.shared_term import SharedTerm, fit_to_runs, repeats, with_term
-from imugap.effects.effect import Effect, Role
+from imugap.effects.effect import Effect, Role, Start
 
 RECURRING = (Role.MEAN, Role.NOISE, Role.FILTER)
 """Roles of the effects that another run of the device has, too, apart from events and lines."""
@@ -85,6 +85,13 @@ class OverRuns:
         added = tuple(trial for place, trial in enumerate(self.added) if first + place != number)
         return OverRuns(runs, fit_over_runs(runs), added, self.terms)
 
+    def without_term(self, term: SharedTerm) -> "OverRuns":
+        """Return what is left without a systematic effect, all else fitted anew."""
+        runs = tuple(fit(one.sequence, one.description.keeping(lambda entry: entry != term.held)) for one in self.runs)
+        return replace(
+            self, runs=runs, fit=fit_over_runs(runs), terms=tuple(other for other in self.terms if other is not term)
+        )
+
     def log_p_without(self, number: int) -> float:
         """Return the log p-value of the likelihood ratio of all processes and those without the one of a number."""
         loss = self.fit.noise.log_likelihood - self.without(number).fit.noise.log_likelihood
@@ -111,23 +118,66 @@ def search_over_runs(runs: Sequence[AxisFit], catalogue: Sequence[type[Effect]],
     """
     found = OverRuns(tuple(runs), fit_over_runs(runs))
     for _ in range(MAX_ADDITIONS if len(runs) > 1 else 0):
-        trials = [*_process_trials(found, catalogue), *_term_trials(found, catalogue)]
-        significant = ((trial, after) for trial, after in trials if trial.log_p < log_alpha)
+        significant = ((trial, after) for trial, after in _trials(found, catalogue) if trial.log_p < log_alpha)
         best, after = max(significant, key=lambda one: one[0].worth, default=(None, found))
         if best is None:
             break
-        found = _pruned(after, log_alpha) if best.effect.role is Role.NOISE else _with_rivals(after, best, trials)
+        found = _settled(_pruned(after, log_alpha), log_alpha)
+    return _with_rivals(_cautious(found, catalogue), catalogue)
+
+
+def _settled(found: OverRuns, log_alpha: float) -> OverRuns:
+    """Return what was found with every systematic effect fitted anew beside all else, if it is significant still."""
+    for term in found.terms:
+        before = found.without_term(term)
+        trial, after = _with_shared(before, Start(term.entry.effect, term.entry.free, trials=term.trial.trials))
+        found = after if trial.log_p < log_alpha else before
     return found
 
 
-def _with_rivals(found: OverRuns, best: Trial, trials: Sequence[tuple[Trial, OverRuns]]) -> OverRuns:
-    """Return what was found with the other trials as rivals of its last systematic effect."""
-    rivals = tuple(
-        Rival(trial.name, trial.worth - best.worth, after.fit.description.effects())
-        for trial, after in trials
-        if trial.name != best.name
-    )
-    return replace(found, terms=(*found.terms[:-1], replace(found.terms[-1], rivals=rivals)))
+def _cautious(found: OverRuns, catalogue: Sequence[type[Effect]]) -> OverRuns:
+    """Return what was found with the least certain values of each systematic effect beside any noise as likely.
+
+    Slow noise that is not significant may be there, and the error of a slow effect is mostly that of slow noise.
+    """
+    slow = [kind for kind in catalogue if kind.slow]
+    for term in found.terms:
+        likelier = (
+            after for _, after in _process_trials(found, slow) if _log_likelihood(after) > _log_likelihood(found)
+        )
+        values = (_values_beside(noise, term) for noise in (found, *likelier))
+        entry, covariance = max(values, key=lambda one: float(np.linalg.det(one[1])))
+        before, term = found.without_term(term), replace(term, entry=entry, covariance=covariance)
+        wider = with_term(before.runs, entry)
+        found = replace(before, runs=wider, fit=fit_over_runs(wider), terms=(*before.terms, term))
+    return found
+
+
+def _log_likelihood(found: OverRuns) -> float:
+    """Return the log-density of all runs under their noise."""
+    return found.fit.noise.log_likelihood
+
+
+def _values_beside(noise: OverRuns, term: SharedTerm) -> tuple[Entry, np.ndarray]:
+    """Return a systematic effect of all runs, and the covariance of its parameters, beside the noise of all runs."""
+    runs = [
+        replace(one, description=one.description.keeping(lambda entry: entry != term.held))
+        for one in _sharing_noise(noise.runs, noise.fit)
+    ]
+    return fit_to_runs(runs, Start(term.entry.effect, term.entry.free))
+
+
+def _with_rivals(found: OverRuns, catalogue: Sequence[type[Effect]]) -> OverRuns:
+    """Return what was found with what could be in the place of each systematic effect."""
+    terms = []
+    for term in found.terms:
+        others = (one for one in _trials(found.without_term(term), catalogue) if one[0].name != term.trial.name)
+        rivals = (
+            Rival(trial.name, trial.worth - term.trial.worth, after.fit.description.effects())
+            for trial, after in others
+        )
+        terms.append(replace(term, rivals=tuple(rivals)))
+    return replace(found, terms=tuple(terms))
 
 
 def _pruned(found: OverRuns, log_alpha: float) -> OverRuns:
@@ -136,6 +186,12 @@ def _pruned(found: OverRuns, log_alpha: float) -> OverRuns:
     earlier = range(count - len(found.added), count - 1)
     number = next((one for one in earlier if found.log_p_without(one) > log_alpha), None)
     return found if number is None else _pruned(found.without(number), log_alpha)
+
+
+def _trials(before: OverRuns, catalogue: Sequence[type[Effect]]) -> Iterator[tuple[Trial, OverRuns]]:
+    """Yield each kind of random process and of systematic effect, added."""
+    yield from _process_trials(before, catalogue)
+    yield from _term_trials(before, catalogue)
 
 
 def _process_trials(before: OverRuns, catalogue: Sequence[type[Effect]]) -> Iterator[tuple[Trial, OverRuns]]:
@@ -154,21 +210,25 @@ def _process_trials(before: OverRuns, catalogue: Sequence[type[Effect]]) -> Iter
 
 
 def _term_trials(before: OverRuns, catalogue: Sequence[type[Effect]]) -> Iterator[tuple[Trial, OverRuns]]:
-    """Yield each kind of systematic effect that runs repeat, with each of its laws."""
+    """Yield each kind of systematic effect that runs repeat, with each of its laws, where every run can have it."""
     runs = _sharing_noise(before.runs, before.fit)
-    scores = _noise_scores(runs)
     for kind in filter(repeats, catalogue):
         for proposed in zip(*(kind.starts(one) for one in runs), strict=False):
-            start, noisy = max(proposed, key=lambda start: start.gain), runs
-            for _ in range(TERM_ROUNDS):
-                entry, covariance = fit_to_runs(noisy, start)
-                wider = with_term(runs, entry)
-                fit = fit_over_runs(wider)
-                noisy = _sharing_noise(runs, fit)
-            gains = _noise_scores(_sharing_noise(wider, fit)) - scores
-            trial = Trial(entry.effect, fit, float(gains.sum() - gains.max()), len(start.free), start.trials)
-            term = SharedTerm(entry, covariance, trial)
-            yield trial, replace(before, runs=wider, fit=fit, terms=(*before.terms, term))
+            yield _with_shared(before, max(proposed, key=lambda start: start.gain))
+
+
+def _with_shared(before: OverRuns, start: Start) -> tuple[Trial, OverRuns]:
+    """Return a systematic effect of all runs, fitted in turn with their noise."""
+    runs = noisy = _sharing_noise(before.runs, before.fit)
+    for _ in range(TERM_ROUNDS):
+        entry, covariance = fit_to_runs(noisy, start)
+        wider = with_term(runs, entry)
+        fit = fit_over_runs(wider)
+        noisy = _sharing_noise(runs, fit)
+    gains = _noise_scores(_sharing_noise(wider, fit)) - _noise_scores(runs)
+    trial = Trial(entry.effect, fit, float(gains.sum() - gains.max()), len(start.free), start.trials)
+    term = SharedTerm(entry, covariance, trial)
+    return trial, replace(before, runs=wider, fit=fit, terms=(*before.terms, term))
 
 
 def _sharing_noise(runs: Sequence[AxisFit], shared: AxisFit) -> list[AxisFit]:

@@ -49,6 +49,11 @@ class SharedTerm:
     trial: Trial
     rivals: tuple[Rival, ...] = ()
 
+    @property
+    def held(self) -> Entry:
+        """Return the effect as an entry whose values stay."""
+        return replace(self.entry, free=())
+
     def finding(self, axis: str) -> Finding:
         """Return the effect on an axis, with its intervals."""
         effect, unit = self.entry.effect, self.entry.effect.units(axis_unit(axis))
