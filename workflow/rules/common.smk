@@ -97,6 +97,7 @@ for name in MISSING_OF:
     }
     DISCOVERIES[f"missing/{name}_white"] = runs
     DISCOVERIES[f"missing/{name}_nbk"] = runs | {"model": [f"{first}/nbk.yaml"]}
+    DISCOVERIES[f"missing/{name}_runs"] = {"log": [*runs["log"], *runs["test"]]}
 DISCOVERIES |= {
     f"motion/broad_{run}": {
         "log": [f"results/broad/{run}/sighted/log.parquet"],

@@ -287,16 +287,19 @@ rule motion_page:
 
 
 rule missing_score:
-    """Compare what was found on the virtual bench with its truth."""
+    """Compare what was found on the virtual bench, in one run and in all of them together, with its truth."""
     input:
-        reports=expand("results/missing/bench_{start}/report.json", start=STARTS),
+        reports=expand("results/missing/bench_{start}/report.json", start=[*STARTS, "runs"]),
         truth="results/bench/truth.json",
+        logs=per_run("bench", "means.parquet"),
     output:
         table=table("missing_score", "Discovery", "what is missing against truth (table), bench"),
+        repeated=table("missing_repeated", "Discovery", "temperature in one run and in all (table), bench"),
+        numbers="paper/numbers/missing_score.json",
     log:
         "logs/missing_score.log",
     params:
-        starts=STARTS,
+        starts=[*STARTS, "runs"],
         code=library("missing_score"),
     script:
         "../scripts/missing_score.py"
