@@ -9,7 +9,17 @@ from imugap import log
 from imugap.discovery.device import Settings, discover
 from imugap.discovery.over_runs import better_over_runs, search_over_runs
 from imugap.discovery.shared_term import fit_to_runs, repeats
-from imugap.effects import BiasInstability, BiasStep, Chirp, RandomWalk, RateRamp, ScaleFactor, Temperature, WarmUp, WhiteNoise
+from imugap.effects import (
+    BiasInstability,
+    BiasStep,
+    Chirp,
+    RandomWalk,
+    RateRamp,
+    ScaleFactor,
+    Temperature,
+    WarmUp,
+    WhiteNoise,
+)
 from imugap.effects.effect import AxisModel, Start
 from imugap.log import TEMPERATURE
 from imugap.model import ErrorModel

@@ -81,7 +81,7 @@ def page(data):
 
 
 def repeated(report, truth, logs):
-    """Yield, for each axis with an answer to the temperature, its size for the test that knows it, and what is found."""
+    """Yield, for each axis with an answer to the temperature, its size for the test that knows it, and the finding."""
     found = intervals(report)
     for axis, effects in ErrorModel.from_mapping(truth).items():
         known = [one for one in effects if one.name == REPEATED]

@@ -257,6 +257,11 @@ class _Compared(_Named):
         return {axis: one.fit for axis, one in self.over_runs.items()}
 
     @property
+    def repeating(self) -> dict[str, AxisFit]:
+        """Fit of the named effects to the whole first log of each axis, with what all runs repeat."""
+        return {axis: self.over_runs[axis].beside(one) for axis, one in self.whole.items()}
+
+    @property
     def beyond_axes(self) -> tuple[Finding, ...]:
         """Findings that are not those of one axis."""
         return (*self.record.findings, *self.common, *self.between)
@@ -542,9 +547,14 @@ def _test_final_model(stage: _Located) -> _Tested:
     settings, results = stage.settings, stage.results
     stage.steps.begin("remaining discrepancies")
     found = {axis: _with_found_outputs(stage, axis) for axis in results}
-    changed = {axis for axis, result in results.items() if result.changed or found[axis] != stage.outputs[axis]}
+    repeating = stage.repeating
+    changed = {
+        axis
+        for axis, result in results.items()
+        if result.changed or found[axis] != stage.outputs[axis] or repeating[axis] is not stage.whole[axis]
+    }
     with each_in_processes(settings.workers) as each:
-        views = view_tests(stage.whole, settings.seed + 1, settings.replicates, found, changed, each)
+        views = view_tests(repeating, settings.seed + 1, settings.replicates, found, changed, each)
     views += [one for one in stage.views if not changed & one.axes]
     sharing = {frozenset(pair) for finding in stage.common for pair in _pairs(finding.axes)}
     left = (place for place in significant_discrepancies(views, settings.alpha) if not _between_sharing(place, sharing))

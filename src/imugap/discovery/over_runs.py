@@ -75,6 +75,12 @@ class OverRuns:
             for i, trial in zip(indices, self.added, strict=True)
         ]
 
+    def beside(self, one: AxisFit) -> AxisFit:
+        """Return a fit of one run with the systematic effects of all runs."""
+        for term in self.terms:
+            (one,) = with_term((one,), term.entry)
+        return one
+
     def without(self, number: int) -> "OverRuns":
         """Return the noise without its process of a number, from 0 on."""
         runs = tuple(
