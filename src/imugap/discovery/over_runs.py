@@ -21,14 +21,15 @@ from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.fit.whittle import PRIOR_LOG_STD, NoiseFit, NoiseSpectra, log_likelihood
 from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.search.intervals import intervals
-from imugap.discovery.search.search import MIN_EXCHANGE_GAIN, Trial, log_p_of_gain
+from imugap.discovery.search.search import Trial, log_p_of_gain
 from imugap.discovery.shared_term import SharedTerm, fit_to_runs, repeats, with_term
 from imugap.effects.effect import Effect, Role, Start
 
 RECURRING = (Role.MEAN, Role.NOISE, Role.FILTER)
 """Roles of the effects that another run of the device has, too, apart from events and lines."""
 MIN_ODDS = 20.0
-"""Odds of the likelihood of further runs without an effect to that with it, from which it does not recur.
+"""Odds of the likelihood of further runs without an effect, or with another in its place, to that with it, from which it
+does not recur.
 
 Runs of a device that has it reach them with a probability of at most 1/20 (Markov's inequality).
 """
@@ -266,7 +267,7 @@ def better_over_runs(runs: Sequence[AxisFit], catalogue: Sequence[type[Effect]],
         trials = [trial for trial, _ in _term_trials(OverRuns(left, fit_over_runs(left)), catalogue)]
         own = max((trial.worth for trial in trials if trial.name == entry.effect.name), default=-np.inf)
         others = (one for one in trials if one.name != entry.effect.name and one.log_p < log_alpha)
-        if max((one.worth for one in others), default=-np.inf) > own + MIN_EXCHANGE_GAIN:
+        if max((one.worth for one in others), default=-np.inf) > own + np.log(MIN_ODDS):
             return entry.effect
     return None
 
