@@ -83,7 +83,7 @@ def page(data):
 def repeated(report, truth, logs):
     """Yield, for each axis with an answer to the temperature, its size for the test that knows it, and the finding."""
     found = intervals(report)
-    for axis, effects in ErrorModel.from_mapping(truth).items():
+    for axis, effects in ErrorModel.from_mapping(truth).axes.items():
         known = [one for one in effects if one.name == REPEATED]
         sizes = np.array([sizes_in_limits(logs, axis, effects, one) for one in known])
         for one, of_runs in zip(known, sizes, strict=True):

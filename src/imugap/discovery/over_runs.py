@@ -28,8 +28,8 @@ from imugap.effects.effect import Effect, Role, Start
 RECURRING = (Role.MEAN, Role.NOISE, Role.FILTER)
 """Roles of the effects that another run of the device has, too, apart from events and lines."""
 MIN_ODDS = 20.0
-"""Odds of the likelihood of further runs without an effect, or with another in its place, to that with it, from which it
-does not recur.
+"""Odds of the likelihood of further runs without an effect, or with another in its place, to that with it, from which
+it does not recur.
 
 Runs of a device that has it reach them with a probability of at most 1/20 (Markov's inequality).
 """
