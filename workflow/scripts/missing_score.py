@@ -112,9 +112,8 @@ def numbers(data, repeats):
         "valued": int(runs["valued"].sum()), "held": int(runs["held"].sum()), "wrong": int(runs["wrong"].sum()),
         "temperature": len(found),
         "temperature_held": int(((found["low"] <= found["truth"]) & (found["truth"] <= found["high"])).sum()),
-        "smallest_found": tables.number(found["all"].min(), 2) if len(found) else None,
-        "largest_missed": tables.number(repeats.loc[repeats["value"].isna(), "all"].max(), 2),
-        "largest_in_one": tables.number(repeats["one"].max(), 2),
+        "axes": len(repeats),
+        **{f"largest_in_{length}": tables.number(repeats[length].max(), 2) for length in ("one", "all")},
     }  # fmt: skip
 
 
