@@ -8,7 +8,8 @@ from tests.discovery import simulated
 from imugap import log
 from imugap.discovery.device import Settings, discover
 from imugap.discovery.over_runs import better_over_runs, search_over_runs
-from imugap.discovery.shared_term import fit_to_runs, repeats
+from imugap.discovery.search.intervals import repeats
+from imugap.discovery.shared_term import fit_to_runs
 from imugap.effects import (
     BiasInstability,
     BiasStep,

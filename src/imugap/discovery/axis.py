@@ -29,7 +29,7 @@ from imugap.discovery.fit.start_model import described
 from imugap.discovery.fit.telegraph_likelihood import compare
 from imugap.discovery.posterior import posterior
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.intervals import axis_unit, intervals
+from imugap.discovery.search.intervals import axis_unit, intervals, intervals_beside_slow_noise, repeats
 from imugap.discovery.search.search import Candidate, Search, coloured, log_p_of_gain, stepping, without
 from imugap.discovery.search.simpler_form import simplified
 from imugap.discovery.search.telegraph import hidden_telegraph, steady, told_apart, two_valued
@@ -434,6 +434,9 @@ def _finding(searched: AxisSearch, candidate: Candidate, settled: Candidate) -> 
         rivals[smooth.name] = Rival(smooth.name, -gain, exchanged.effects())
     elif effect.role is Role.OUTLIERS:
         parameters, gain = _outlier_parameters(search, final), search.tails[effect].gain
+    elif repeats(type(effect)):
+        parameters = intervals_beside_slow_noise(final, settled.index, search.catalogue)
+        gain = _gain(searched, candidate)
     else:
         parameters = intervals(final, settled.index)
         gain = _gain(searched, candidate)

@@ -20,9 +20,9 @@ from imugap.discovery.fit.axis_fit import AxisFit, fit, log_score
 from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.fit.whittle import PRIOR_LOG_STD, NoiseFit, NoiseSpectra, log_likelihood
 from imugap.discovery.fit.whittle import fit as fit_noise
-from imugap.discovery.search.intervals import intervals
+from imugap.discovery.search.intervals import intervals, repeats
 from imugap.discovery.search.search import Trial, log_p_of_gain
-from imugap.discovery.shared_term import SharedTerm, fit_to_runs, repeats, with_term
+from imugap.discovery.shared_term import SharedTerm, fit_to_runs, with_term
 from imugap.effects.effect import Effect, Role, Start
 
 RECURRING = (Role.MEAN, Role.NOISE, Role.FILTER)

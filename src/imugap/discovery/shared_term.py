@@ -14,17 +14,12 @@ from imugap.discovery.fit.axis_fit import AxisFit, fit, jacobian
 from imugap.discovery.fit.description import Entry
 from imugap.discovery.search.intervals import NORMAL_QUANTILE, axis_unit
 from imugap.discovery.search.search import Trial, entry_of
-from imugap.effects.effect import Effect, Role, Start
+from imugap.effects.effect import Start
 
 MAX_STEPS = 12
 """Maximum number of steps of Gauss and Newton."""
 MIN_STEP_GAIN = 1e-3
 """Gain of log-likelihood below which a step is the last."""
-
-
-def repeats(kind: type[Effect]) -> bool:
-    """Return whether every run of a device has an effect of a kind, by the same parameters."""
-    return kind.role is Role.MEAN and not (kind.event or kind.tonal or kind.of_motion)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,9 +1,12 @@
 """Values and 95 % intervals of the effects of a fitted axis."""
 
+from collections.abc import Iterable
+from dataclasses import replace
+
 import numpy as np
 
 from imugap.discovery.finding import Interval
-from imugap.discovery.fit.axis_fit import AxisFit
+from imugap.discovery.fit.axis_fit import AxisFit, fit
 from imugap.effects.effect import Effect, Role
 from imugap.log import GYRO
 
@@ -34,6 +37,26 @@ def intervals(fit: AxisFit, index: int) -> dict[str, Interval]:
     return {
         name: Interval(value, *map(float, ends.get(name, (value, value))), units[name])
         for name, value in effect.parameters().items()
+    }
+
+
+def repeats(kind: type[Effect]) -> bool:
+    """Return whether an effect is a slow mean, which every run of a device has by the same parameters."""
+    return kind.role is Role.MEAN and not (kind.event or kind.tonal or kind.of_motion)
+
+
+def intervals_beside_slow_noise(found: AxisFit, index: int, catalogue: Iterable[type[Effect]]) -> dict[str, Interval]:
+    """Return the parameters of the slow mean at ``index``, with the widest ends beside further slow noise as likely.
+
+    Slow noise that is not significant may be there, and most of the error of a slow mean is its.
+    """
+    starts = (start for kind in catalogue if kind.slow for start in kind.starts(found))
+    wider = (fit(found.sequence, found.description.adding(start.effect)) for start in starts)
+    likelier = [one for one in wider if one.log_likelihood > found.log_likelihood]
+    ends = [intervals(one, index) for one in (found, *likelier)]
+    return {
+        name: replace(one, low=min(other[name].low for other in ends), high=max(other[name].high for other in ends))
+        for name, one in ends[0].items()
     }
 
 
