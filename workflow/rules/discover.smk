@@ -291,7 +291,7 @@ rule missing_score:
     input:
         reports=expand("results/missing/bench_{start}/report.json", start=[*STARTS, "runs"]),
         truth="results/bench/truth.json",
-        logs=per_run("bench", "means.parquet"),
+        logs=lambda _: per_run("bench", "means.parquet"),
     output:
         table=table("missing_score", "Discovery", "what is missing against truth (table), bench"),
         repeated=table("missing_repeated", "Discovery", "temperature in one run and in all (table), bench"),
