@@ -1,5 +1,6 @@
 import numpy as np
 import pandas as pd
+import pytest
 
 from imugap.figures.sealed_trials import losses, reliability
 
@@ -17,3 +18,13 @@ def test_bins_of_nearly_one_probability_stand_apart():
     panel = reliability(bins.assign(low=0.0, high=[0.98, 0.57])).axes[0]
     assert [label.get_text() for label in panel.get_xticklabels()] == ["40 to 50 %\n(1)", "50 to 60 %\n(90)"]
     assert np.diff(panel.get_xticks()) == 1
+
+
+@pytest.mark.parametrize("half", [[1.0, 2.0], [0.1, 2.0], [1.0, 99.0], [0.1, 99.0]])
+def test_the_panels_of_the_losses_fill_the_figure(half):
+    share = np.array([0.1, 0.5, 0.9])
+    curve = pd.DataFrame({"size": [1.0, 2.2, 4.7], "rate": share, "low": share - 0.1, "high": share + 0.1})
+    table = pd.DataFrame({"name": ["sinusoid", "warm_up"], "half": half, "low": half, "high": half})
+    figure = losses(curve, table, 240)
+    figure.draw_without_rendering()
+    assert all(panel.get_position().width > 0.3 for panel in figure.axes)

@@ -62,7 +62,8 @@ def losses(curve: pd.DataFrame, table: pd.DataFrame, choices: int) -> Figure:
     half, low, high = (table[end].clip(size[0], farthest) for end in ("half", "low", "high"))
     right.hlines(rows, low, high, color=FOUND, lw=1.2)
     below, beyond = (table["half"] < size[0]).to_numpy(), (table["half"] > farthest).to_numpy()
-    for shown, marker in ((~below & ~beyond, "o"), (below, "<"), (beyond, ">")):
+    kinds = ((~below & ~beyond, "o"), (below, "<"), (beyond, ">"))
+    for shown, marker in (one for one in kinds if one[0].any()):  # one without points would stretch the layout
         right.plot(half[shown], rows[shown], marker, ms=3.5, color=FOUND, clip_on=False)
     right.axvline(1.0, color=ORACLE)
     right.axvline(1 + shift, color=ORACLE, ls=":")
