@@ -7,9 +7,11 @@ from tests.discovery import simulated
 
 from imugap import log
 from imugap.discovery.device import Settings, discover
+from imugap.discovery.fit.description import Entry
 from imugap.discovery.over_runs import better_over_runs, search_over_runs
 from imugap.discovery.search.intervals import repeats
-from imugap.discovery.shared_term import fit_to_runs
+from imugap.discovery.search.search import Trial
+from imugap.discovery.shared_term import SharedTerm, fit_to_runs
 from imugap.effects import (
     BiasInstability,
     BiasStep,
@@ -63,6 +65,14 @@ def test_an_effect_too_faint_for_each_run_is_named_from_all_of_them(effect):
     assert finding.parameters[name].low < truth < finding.parameters[name].high
     assert finding.effects["gyro_x"] in found.fit.description.effects()
     assert effect.name not in dict(finding.alternatives)
+
+
+def test_an_interval_stays_within_what_a_parameter_can_be():
+    entry = Entry(WarmUp(1e-3, 5.0), ("amplitude", "time_constant"))
+    trial = Trial(entry.effect, simulated.fitted(run("limits")), 20.0, 2, 1.0)
+    ends = SharedTerm(entry, np.diag([1e-6, 100.0]), trial).finding("gyro_x").parameters
+    assert ends["time_constant"].low >= 0.0
+    assert ends["amplitude"].low < 0.0 < ends["amplitude"].high
 
 
 def test_an_effect_of_one_run_alone_is_not_repeated():

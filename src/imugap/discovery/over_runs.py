@@ -143,9 +143,10 @@ def _settled(found: OverRuns, log_alpha: float) -> OverRuns:
 
 
 def _cautious(found: OverRuns, catalogue: Sequence[type[Effect]]) -> OverRuns:
-    """Return what was found with the least certain values of each systematic effect beside any noise as likely.
+    """Return what was found, each systematic effect as it is under the slow noise that leaves it least certain.
 
-    Slow noise that is not significant may be there, and the error of a slow effect is mostly that of slow noise.
+    The noise is that of the model, with one more slow process or none. The process has to raise the likelihood; it need
+    not be significant, since most of the error of a slow effect is that of slow noise.
     """
     slow = [kind for kind in catalogue if kind.slow]
     for term in found.terms:

@@ -18,6 +18,8 @@ from imugap.effects.effect import Start
 
 MAX_STEPS = 12
 """Maximum number of steps of Gauss and Newton."""
+NEAR_LOG_ODDS = 3.0
+"""Log-odds, about 20 to 1, within which another effect is given as one that the runs cannot distinguish."""
 MIN_STEP_GAIN = 1e-3
 """Gain of log-likelihood below which a step is the last."""
 
@@ -51,14 +53,19 @@ class SharedTerm:
 
     def finding(self, axis: str) -> Finding:
         """Return the effect on an axis, with its intervals."""
-        effect, unit = self.entry.effect, self.entry.effect.units(axis_unit(axis))
+        effect, limits = self.entry.effect, self.entry.effect.limits()
+        units = effect.units(axis_unit(axis))
         widths = (NORMAL_QUANTILE * np.sqrt(np.diag(self.covariance))).tolist()
         errors = dict(zip(self.entry.free, widths, strict=True))
-        ends = {name: (value, errors.get(name, 0.0)) for name, value in effect.parameters().items()}
-        near = tuple((one.name, one.log_bayes_factor) for one in self.rivals if one.log_bayes_factor > -NORMAL_QUANTILE)
+        parameters = {}
+        for name, value in effect.parameters().items():
+            error = errors.get(name, 0.0)
+            low, high = np.clip([value - error, value + error], *limits[name]).tolist()
+            parameters[name] = Interval(value, low, high, units[name])
+        near = tuple((one.name, one.log_bayes_factor) for one in self.rivals if one.log_bayes_factor > -NEAR_LOG_ODDS)
         return Finding(
             {axis: effect},
-            {name: Interval(value, value - error, value + error, unit[name]) for name, (value, error) in ends.items()},
+            parameters,
             max(self.trial.log_p, MIN_LOG_P),
             self.trial.gain,
             alternatives=near,
@@ -87,11 +94,15 @@ def fit_to_runs(runs: Sequence[AxisFit], start: Start) -> tuple[Entry, np.ndarra
         entry, rest = moved, after
         if gained < MIN_STEP_GAIN:
             break
-    precision, scores = _normal_equations(runs, entry, rest)
+    return entry, _covariance(*_normal_equations(runs, entry, rest))
+
+
+def _covariance(precision: np.ndarray, scores: np.ndarray) -> np.ndarray:
+    """Return the covariance by the information of all runs, and by the scatter of the runs where that is larger."""
     own = np.linalg.pinv(precision, rcond=1e-12, hermitian=True)
-    scatter = own @ (np.cov(scores.T, ddof=1).reshape(precision.shape) * len(runs)) @ own
+    scatter = own @ (np.cov(scores.T, ddof=1).reshape(precision.shape) * len(scores)) @ own
     values, vectors = np.linalg.eigh(scatter - own)
-    return entry, own + (vectors * np.maximum(values, 0.0)) @ vectors.T
+    return own + (vectors * np.maximum(values, 0.0)) @ vectors.T
 
 
 def with_term(runs: Sequence[AxisFit], entry: Entry) -> tuple[AxisFit, ...]:
