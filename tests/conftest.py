@@ -26,7 +26,7 @@ import yaml
 from hypothesis import HealthCheck, settings
 from tests import strict_json
 
-from imugap.io import datasets
+from imugap.io.catalogue import datasets
 from imugap.io.json_schema import Draft202012Validator
 
 patient = [HealthCheck.too_slow]
@@ -105,7 +105,7 @@ def lap():
 @pytest.fixture(scope="session")
 def assumptions(lap):
     """Assumptions of a filter that hold on the lap."""
-    from imugap.navigation.vehicle import DriveAssumptions
+    from imugap.navigation.drive.vehicle import DriveAssumptions
 
     return DriveAssumptions(lever_m=lap.receiver.lever_m, scale_std=lap.scale_std)
 

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from imugap.io import reference
+from imugap.io.references import reference
 from imugap.kinematics.strapdown import POSITION, VELOCITY
 
 

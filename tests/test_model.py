@@ -40,7 +40,7 @@ from imugap.effects import (
 )
 from imugap.effects.effect import AxisModel
 from imugap.model import LARGEST, SMALLEST, ErrorModel
-from imugap.numerics.bias_stability import bias_stability
+from imugap.numerics.samples.bias_stability import bias_stability
 from imugap.stream import stream
 
 AT = Conditions(0.01 * np.arange(600), 0.01, np.linspace(20, 30, 600))

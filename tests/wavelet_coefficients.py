@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from imugap.numerics.daubechies import filters
+from imugap.numerics.spectra.daubechies import filters
 
 
 def by_definition(sequence, level, width):

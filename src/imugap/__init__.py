@@ -50,14 +50,14 @@ Trajectory
 Reference
     ``pandas.DataFrame``, index ``time`` [s], columns ``quat_x quat_y quat_z quat_w`` (unit quaternion ``quat_nb``,
     scalar last) and ``moving`` (the phase of motion); only instants at which the attitude is known
-    (:mod:`imugap.io.reference`).
+    (:mod:`imugap.io.references.reference`).
 Fixes
     ``pandas.DataFrame``, index ``time`` [s], columns ``latitude longitude`` [rad], ``height`` [m], optionally
     ``vel_n vel_e vel_d`` [m/s] and standard deviations: the log of a GNSS receiver (:mod:`imugap.io.gnss`).
 Solution
     Estimates of attitude and sensor errors over time by a filter, with covariances and innovations
     (:mod:`imugap.navigation.attitude`); of a walk or a drive, a Trajectory with standard deviations in the same columns
-    (:mod:`imugap.navigation.pedestrian`, :mod:`imugap.navigation.vehicle`).
+    (:mod:`imugap.navigation.walk.pedestrian`, :mod:`imugap.navigation.drive.vehicle`).
 
 Units
 -----

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from imugap import cli, log
-from imugap.io.datasets import FetchError, RawFile, fetch
+from imugap.io.catalogue.datasets import FetchError, RawFile, fetch
 
 MODEL = "gyro_x: [{white_noise: {density: 1e-4}}, {bias: {value: 1.0e-3}}]\n"
 LINES = {

@@ -4,7 +4,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from imugap import cli, log
-from imugap.discovery.reference_band import reference_band
+from imugap.discovery.preparation.reference_band import reference_band
 from imugap.io import recording
 from imugap.io.recognition.frame import AS_IS
 from imugap.kinematics.error_free import POSITION, QUATERNION, error_free_log

@@ -16,7 +16,7 @@ from imugap.commands.walk import FILES
 from imugap.figures.walk import ellipse
 from imugap.kinematics.strapdown import COLUMNS
 from imugap.log import GYRO
-from imugap.navigation.pedestrian import WalkAssumptions
+from imugap.navigation.walk.pedestrian import WalkAssumptions
 from imugap.simulation.walk import Walk, WalkCourse
 from imugap.stream import stream
 

@@ -52,7 +52,7 @@ from imugap.effects import (
     WarmUp,
     WhiteNoise,
 )
-from imugap.estimation import allan
+from imugap.estimation.variances import allan
 from imugap.stream import stream
 
 PUBLISHED = pd.read_csv(

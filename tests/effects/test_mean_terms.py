@@ -3,7 +3,7 @@ import pytest
 from tests.effects.simulated import conditions, draws, sharp_std
 
 from imugap.effects import Bias, BiasStep, Conditions, RateRamp, Sinusoid, Temperature, TurnOnBias, WarmUp
-from imugap.estimation import allan
+from imugap.estimation.variances import allan
 from imugap.stream import stream
 
 

@@ -10,7 +10,7 @@ from tests.effects.simulated import conditions
 
 from imugap.effects import SkewedNoise, UniformNoise, WhiteNoise
 from imugap.effects.conditions import Run
-from imugap.numerics.white_samples import WhiteSamples
+from imugap.numerics.samples.white_samples import WhiteSamples
 from imugap.stream import stream
 
 RUNS, COUNT = 200, 2000

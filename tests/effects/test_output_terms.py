@@ -15,7 +15,7 @@ from imugap.effects import (
     WhiteNoise,
 )
 from imugap.effects.effect import AxisModel
-from imugap.numerics.bias_stability import bias_stability
+from imugap.numerics.samples.bias_stability import bias_stability
 from imugap.stream import stream
 
 

@@ -5,8 +5,8 @@ from tests.chance import as_often_as
 
 from imugap import log
 from imugap.effects import BiasInstability, Conditions, RandomWalk, WhiteNoise
-from imugap.estimation import allan
 from imugap.estimation.indices import BATCHES, INDICES, of_run, over_runs, repeatability, shortest
+from imugap.estimation.variances import allan
 from imugap.stream import stream
 from imugap.units import factor
 

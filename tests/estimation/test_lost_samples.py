@@ -5,11 +5,11 @@ import pandas as pd
 import pytest
 
 from imugap.effects import RandomWalk, WhiteNoise
-from imugap.estimation import allan
 from imugap.estimation.gap_draws import draw_gaps
 from imugap.estimation.indices import IndexSamples, of_samples
 from imugap.estimation.report import EstimatorSettings, estimate_axis
 from imugap.estimation.screening import information
+from imugap.estimation.variances import allan
 from imugap.stream import stream
 
 DENSITY, DENSITY_K, RATE = 2e-4, 1e-5, 20.0

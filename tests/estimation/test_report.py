@@ -12,10 +12,11 @@ from imugap.effects import (
     WhiteNoise,
 )
 from imugap.effects.effect import AxisModel
-from imugap.estimation import allan, maximum_likelihood
+from imugap.estimation import maximum_likelihood
 from imugap.estimation.model_selection import TERMS
 from imugap.estimation.report import EstimatorSettings, Method, curves, estimate_axis, kinds_of, table, to_json
-from imugap.estimation.wavelet_variance import EFFICIENCY
+from imugap.estimation.variances import allan
+from imugap.estimation.variances.wavelet_variance import EFFICIENCY
 from imugap.log import from_samples
 
 INTERVAL, COUNT = 0.02, 6000

@@ -19,8 +19,8 @@ from imugap.filters.smoother import SensorArrays, SmootherBlock
 from imugap.io.configuration import configure
 from imugap.kinematics.strapdown import VELOCITY
 from imugap.log import ACCEL, AXES, GYRO
-from imugap.navigation.vehicle import DriveInputs, navigate
-from imugap.navigation.vehicle_alignment import align
+from imugap.navigation.drive.vehicle import DriveInputs, navigate
+from imugap.navigation.drive.vehicle_alignment import align
 from imugap.numerics.rotation import from_euler, mat_from_quat
 from imugap.stream import stream
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from imugap.filters.consistency import nees_band
-from imugap.filters.innovation_gate import (  # fmt: skip
+from imugap.filters.innovation_gate import (
     ACCEPTED,
     CLOSED,
     EXCLUDED,
@@ -21,8 +21,8 @@ from imugap.filters.innovation_gate import (  # fmt: skip
 from imugap.filters.solution_separation import POSITION_OFFSETS, FilterState, restart_offset
 from imugap.io.gnss import PLACE_STD
 from imugap.kinematics.strapdown import POSITION, VELOCITY
-from imugap.navigation.vehicle import DriveInputs, navigate
-from imugap.navigation.vehicle_alignment import align
+from imugap.navigation.drive.vehicle import DriveInputs, navigate
+from imugap.navigation.drive.vehicle_alignment import align
 from imugap.simulation.gnss_faults import RAMP, STRETCH, FaultEvent, Faults
 from imugap.stream import stream
 

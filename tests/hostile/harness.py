@@ -24,7 +24,7 @@ from imugap.analysis import drive
 from imugap.effects import Bias, WhiteNoise
 from imugap.interchange.devices import catalogue as devices
 from imugap.interchange.export import Target
-from imugap.io import datasets
+from imugap.io.catalogue import datasets
 from imugap.kinematics.error_free import POSITION, QUATERNION, error_free_log
 from imugap.model import ErrorModel
 from imugap.simulation.drive import Drive

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from imugap.integrity.report import gravity_unit, lattice, report, timing
-from imugap.io.readers import read_raw
+from imugap.io.catalogue.readers import read_raw
 from imugap.log import AXES
 from imugap.stream import stream
 from imugap.units import STANDARD_GRAVITY, to_si

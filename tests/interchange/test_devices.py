@@ -11,7 +11,8 @@ from imugap.effects import CATALOGUE, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.interchange.devices import catalogue
 from imugap.interchange.start_models.catalogue import ModelFile
-from imugap.io import configuration, datasets
+from imugap.io import configuration
+from imugap.io.catalogue import datasets
 from imugap.io.json_schema import Draft202012Validator
 from imugap.model import ErrorModel
 

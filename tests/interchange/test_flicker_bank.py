@@ -5,9 +5,9 @@ from hypothesis import strategies as st
 
 from imugap.effects import BiasInstability, Conditions, GaussMarkov
 from imugap.effects.effect import AxisModel
-from imugap.estimation import allan
+from imugap.estimation.variances import allan
 from imugap.interchange import flicker_bank
-from imugap.numerics import allan_from_psd as spectrum
+from imugap.numerics.spectra import allan_from_psd as spectrum
 from imugap.stream import stream
 
 

@@ -8,10 +8,10 @@ from scipy.stats import chi2
 from imugap.effects import Bias, Conditions, GaussMarkov, RandomWalk, TurnOnBias, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.effects.gauss_markov import FLAT_TOP
-from imugap.estimation import allan
+from imugap.estimation.variances import allan
 from imugap.figures.static import TITLES
 from imugap.interchange.from_indices import CONTENDERS, READ, AxisIndices, bounded, fit, nbk
-from imugap.numerics.bias_stability import bias_stability
+from imugap.numerics.samples.bias_stability import bias_stability
 from imugap.stream import stream
 
 INTERVAL, PERIOD = 0.1, 1.0

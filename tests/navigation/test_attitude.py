@@ -8,7 +8,7 @@ from scipy.stats import chi2, norm
 from imugap import log
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
-from imugap.io import reference
+from imugap.io.references import reference
 from imugap.model import ErrorModel
 from imugap.navigation.attitude import AttitudeAssumptions, InitialAttitude, estimate_attitude
 from imugap.numerics.rotation import from_euler

@@ -6,7 +6,7 @@ from scipy.stats import chi2
 from tests.chance import mean_is
 
 from imugap.effects import BiasInstability, Conditions, GaussMarkov, RandomWalk, WhiteNoise
-from imugap.estimation import allan
+from imugap.estimation.variances import allan
 from imugap.numerics.state_space import StateSpace
 from imugap.stream import stream
 

@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from imugap import log
-from imugap.estimation import allan
+from imugap.estimation.variances import allan
 from imugap.simulation.bench import Bench, Room
 
 RECIPE = Path(__file__).parents[2] / "data" / "bench.yaml"

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from imugap.io import gnss, reference
+from imugap.io import gnss
+from imugap.io.references import reference
 from imugap.kinematics.strapdown import ATTITUDE, POSITION, VELOCITY, NavigationState, trajectory
 from imugap.log import AXES, GYRO
 from imugap.numerics.rotation import from_euler

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from imugap import log
-from imugap.io import reference
+from imugap.io.references import reference
 from imugap.kinematics import strapdown
 from imugap.kinematics.strapdown import ATTITUDE, POSITION, VELOCITY, Local, NavigationState
 from imugap.numerics.rotation import from_euler

@@ -9,7 +9,7 @@ from imugap.effects import ScaleFactor, TimeOffset
 from imugap.kinematics.strapdown import POSITION, VELOCITY
 from imugap.log import ACCEL, GYRO
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import WalkAssumptions, navigate
+from imugap.navigation.walk.pedestrian import WalkAssumptions, navigate
 from imugap.simulation.matched_walk import DeviceClass, matched_walk, simulated_walk, without
 from imugap.simulation.walk import Walk, WalkCourse, WalkLeg
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from imugap.effects import Bias, TurnOnBias, WhiteNoise
-from imugap.io import reference
+from imugap.io.references import reference
 from imugap.kinematics import strapdown
 from imugap.kinematics.strapdown import ATTITUDE, POSITION, VELOCITY, Local, NavigationState
 from imugap.log import ACCEL, AXES, GYRO

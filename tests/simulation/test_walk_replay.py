@@ -8,11 +8,11 @@ from imugap.effects import Misalignment, ScaleFactor
 from imugap.effects.effect import AxisModel
 from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import navigate
+from imugap.navigation.walk.pedestrian import navigate
 from imugap.simulation.matched_walk import AT_REST, DeviceClass
 from imugap.simulation.walk import Walk, WalkCourse
 from imugap.simulation.walk_replay import Replay
-from imugap.study.walk_compensation import known_assumptions
+from imugap.study.walk.walk_compensation import known_assumptions
 
 ROOT = Path(__file__).parents[2]
 SEED = 73

@@ -2,7 +2,7 @@ import pandas as pd
 import pytest
 
 from imugap.study.claims import of_walk, reliability
-from imugap.study.rankings import share_interval
+from imugap.study.static.rankings import share_interval
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from imugap.study import he2023
+from imugap.study.static import he2023
 from imugap.units import FACTORS
 from imugap.workflow import tables
 

@@ -5,7 +5,7 @@ from itertools import chain
 from pathlib import Path
 
 import yaml
-from imugap.io.datasets import available, load, locate
+from imugap.io.catalogue.datasets import available, load, locate
 from imugap.io.configuration import ConfigurationError, configure, read
 from imugap.interchange.from_indices import CONTENDERS
 from imugap.interchange.datasheet import TRUTHS

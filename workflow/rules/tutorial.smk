@@ -1,4 +1,4 @@
-from imugap.study.farrell2022 import MODELS
+from imugap.study.static.farrell2022 import MODELS
 
 
 rule tutorial_models:

@@ -7,8 +7,8 @@ from imu_benchmark.sealing import plan, seal
 from imugap import log
 from imugap.discovery.device import Settings, name_missing
 from imugap.discovery.preparation.prepare import prepare
-from imugap.study.ablation import on_another_run, within_log
-from imugap.study.sealed_trials import search
+from imugap.study.discovery.ablation import on_another_run, within_log
+from imugap.study.discovery.sealed_trials import search
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from imugap.study.he2023 import findings
+from imugap.study.static.he2023 import findings
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

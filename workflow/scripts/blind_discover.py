@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from imugap.discovery.device import Settings
-from imugap.study.blind_answers import answer
+from imugap.study.discovery.blind_answers import answer
 from imugap.workflow.job_log import job
 
 with job(snakemake) as (source, params, output):

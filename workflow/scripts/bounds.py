@@ -8,7 +8,7 @@ from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.estimation.cramer_rao import bound
 from imugap.figures import estimation
-from imugap.study.experiment import Experiment
+from imugap.study.static.experiment import Experiment
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save

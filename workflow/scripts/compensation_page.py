@@ -4,10 +4,11 @@ import numpy as np
 import pandas as pd
 
 from imugap.figures import pedestrian
-from imugap.numerics import block_bootstrap as bootstrap
+from imugap.numerics.fitting import block_bootstrap as bootstrap
 from imugap.simulation.walk import Walk
 from imugap.stream import stream
-from imugap.study import he2023, verdicts
+from imugap.study import verdicts
+from imugap.study.static import he2023
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save

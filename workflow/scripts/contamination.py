@@ -9,11 +9,11 @@ from imugap.estimation.cramer_rao import bound
 from imugap.estimation.gmwm import estimator
 from imugap.estimation.gmwm.estimator import GmwmOptions
 from imugap.estimation.methods import METHODS
-from imugap.estimation.wavelet_variance import EFFICIENCY
+from imugap.estimation.variances.wavelet_variance import EFFICIENCY
 from imugap.figures import estimation
 from imugap.stream import stream
-from imugap.study.experiment import Experiment
-from imugap.study.monte_carlo import row, summary
+from imugap.study.static.experiment import Experiment
+from imugap.study.static.monte_carlo import row, summary
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save

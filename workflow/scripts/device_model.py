@@ -6,8 +6,8 @@ import pandas as pd
 import yaml
 
 from imugap import __version__
-from imugap.io import datasets as catalogue
-from imugap.study.device_cards import DeviceFound
+from imugap.io.catalogue import datasets as catalogue
+from imugap.study.discovery.device_cards import DeviceFound
 from imugap.workflow.job_log import job
 from imugap.workflow.products import read_json
 

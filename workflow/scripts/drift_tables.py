@@ -8,7 +8,7 @@ from imugap.figures.static import TITLES, titled
 from imugap.interchange.from_indices import SOURCE, bounded
 from imugap.kinematics.free_inertial import QUANTITIES
 from imugap.stream import stream
-from imugap.study.rankings import first_places, interval, share_interval
+from imugap.study.static.rankings import first_places, interval, share_interval
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save

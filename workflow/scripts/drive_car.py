@@ -6,10 +6,11 @@ import numpy as np
 import pandas as pd
 import yaml
 
-from imugap.io import datasets as catalogue
-from imugap.io import gnss, public_drives
+from imugap.io import gnss
+from imugap.io.catalogue import datasets as catalogue
+from imugap.io.catalogue import public_drives
 from imugap.simulation.gnss_faults import Faults
-from imugap.study import recorded_drive
+from imugap.study.drive import recorded_drive
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -6,8 +6,8 @@ import pandas as pd
 from imugap.figures import fault_ablation, recorded_drive
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import SCHEMES
-from imugap.study.fault_ablation import SMOOTHED, WHEELS, WHOLE
-from imugap.study.recorded_drive import TUNED, WHEELS_STD
+from imugap.study.drive.fault_ablation import SMOOTHED, WHEELS, WHOLE
+from imugap.study.drive.recorded_drive import TUNED, WHEELS_STD
 from imugap.units import from_si
 from imugap.workflow import tables
 from imugap.workflow.job_log import job

@@ -5,10 +5,10 @@ import pandas as pd
 
 from imugap.figures import recorded_drive
 from imugap.filters.consistency import nees_band
-from imugap.io import datasets as catalogue
-from imugap.io import public_drives
+from imugap.io.catalogue import datasets as catalogue
+from imugap.io.catalogue import public_drives
 from imugap.kinematics.strapdown import ATTITUDE
-from imugap.study import recorded_drive as roadtest
+from imugap.study.drive import recorded_drive as roadtest
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save

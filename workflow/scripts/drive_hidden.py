@@ -4,8 +4,8 @@ from itertools import product
 
 import pandas as pd
 
-from imugap.navigation.vehicle_diagnosis import CANDIDATES, diagnose, solve, whiteness
-from imugap.study.fault_ablation import Ablation, hide_effect
+from imugap.navigation.drive.vehicle_diagnosis import CANDIDATES, diagnose, solve, whiteness
+from imugap.study.drive.fault_ablation import Ablation, hide_effect
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from imugap.navigation.vehicle_diagnosis import CANDIDATES
+from imugap.navigation.drive.vehicle_diagnosis import CANDIDATES
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save

@@ -9,11 +9,11 @@ from scipy.stats import binomtest
 
 from imugap.figures import fault_ablation
 from imugap.filters.innovation_gate import SCHEMES
-from imugap.numerics import block_bootstrap as bootstrap
+from imugap.numerics.fitting import block_bootstrap as bootstrap
 from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH
 from imugap.stream import stream
 from imugap.study import verdicts
-from imugap.study.fault_ablation import (
+from imugap.study.drive.fault_ablation import (
     ALONE,
     CLEAN,
     CONTAMINATED,

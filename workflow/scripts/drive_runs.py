@@ -4,7 +4,7 @@ from dataclasses import asdict
 
 import pandas as pd
 
-from imugap.study.fault_ablation import CASES, CLEAN, CONTAMINATED, Ablation
+from imugap.study.drive.fault_ablation import CASES, CLEAN, CONTAMINATED, Ablation
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -3,8 +3,8 @@
 import pandas as pd
 
 from imugap.simulation.gnss_faults import OUTLIER, FaultEvent
-from imugap.study import fault_ablation
-from imugap.study.fault_ablation import CLEAN, CONTAMINATED
+from imugap.study.drive import fault_ablation
+from imugap.study.drive.fault_ablation import CLEAN, CONTAMINATED
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

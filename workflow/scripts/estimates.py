@@ -7,7 +7,7 @@ import pandas as pd
 from imugap import log
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.estimation.methods import METHODS
-from imugap.study.monte_carlo import row
+from imugap.study.static.monte_carlo import row
 from imugap.workflow.job_log import job
 
 MODELS = {"gyro": (WhiteNoise, GaussMarkov), "accel": (WhiteNoise, RandomWalk)}

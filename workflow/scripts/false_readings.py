@@ -6,7 +6,7 @@ from scipy.stats import beta
 
 from imugap.effects import BiasInstability, Conditions, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
 from imugap.effects.effect import AxisModel
-from imugap.estimation import allan
+from imugap.estimation.variances import allan
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

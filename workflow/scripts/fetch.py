@@ -2,7 +2,7 @@
 
 import sys
 
-from imugap.io.datasets import FetchError, fetch, load
+from imugap.io.catalogue.datasets import FetchError, fetch, load
 from imugap.workflow.job_log import job
 
 with job(snakemake) as (_, params, _):

@@ -9,7 +9,7 @@ import yaml
 from imugap.estimation.result import Identifiability
 from imugap.figures import attitude
 from imugap.log import GYRO
-from imugap.numerics import block_bootstrap as bootstrap
+from imugap.numerics.fitting import block_bootstrap as bootstrap
 from imugap.stream import stream
 from imugap.units import from_si
 from imugap.workflow import tables

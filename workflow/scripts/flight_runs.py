@@ -6,7 +6,7 @@ import yaml
 
 from imugap import log
 from imugap.simulation.flight import Flight
-from imugap.study import attitude_schemes
+from imugap.study.attitude import attitude_schemes
 from imugap.workflow.job_log import job
 
 with job(snakemake) as (source, params, output):

@@ -2,9 +2,9 @@
 
 import pandas as pd
 
-from imugap.io import reference
+from imugap.io.references import reference
 from imugap.kinematics.strapdown import ATTITUDE
-from imugap.study import attitude_scores
+from imugap.study.attitude import attitude_scores
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -3,8 +3,8 @@
 import pandas as pd
 
 from imugap import log
-from imugap.estimation import allan
 from imugap.estimation.indices import INDICES, of_run
+from imugap.estimation.variances import allan
 from imugap.kinematics.site import Site
 from imugap.workflow.job_log import job
 

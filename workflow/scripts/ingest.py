@@ -6,8 +6,9 @@ from pathlib import Path
 
 from imugap import log
 from imugap.integrity import report as integrity
-from imugap.io import datasets as catalogue
-from imugap.io import readers, recording
+from imugap.io import recording
+from imugap.io.catalogue import datasets as catalogue
+from imugap.io.catalogue import readers
 from imugap.workflow.job_log import job
 
 

@@ -6,7 +6,7 @@ from imugap import log
 from imugap.discovery.device import Settings
 from imugap.discovery.steps import each_in_processes
 from imugap.log import AXES
-from imugap.study.injection import KINDS, inject, untouched
+from imugap.study.discovery.injection import KINDS, inject, untouched
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -2,7 +2,7 @@
 
 from imugap.estimation.gmwm.estimator import GmwmOptions, Weighting, fit, fit_by_simulation
 from imugap.figures import estimation
-from imugap.study.experiment import Experiment
+from imugap.study.static.experiment import Experiment
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -9,7 +9,7 @@ from imugap.effects import title_of
 from imugap.figures.static import TITLES
 from imugap.figures.style import AXIS_TITLES
 from imugap.model import ErrorModel
-from imugap.study.oracle_size import sizes_in_limits
+from imugap.study.discovery.oracle_size import sizes_in_limits
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import read_json, save

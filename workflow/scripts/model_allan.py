@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from imugap import log
-from imugap.estimation import allan
+from imugap.estimation.variances import allan
 from imugap.model import ErrorModel
 from imugap.workflow.job_log import job
 

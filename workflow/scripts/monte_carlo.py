@@ -4,8 +4,8 @@ import pandas as pd
 
 from imugap.estimation.gmwm import estimator
 from imugap.estimation.methods import METHODS
-from imugap.study.experiment import Experiment
-from imugap.study.monte_carlo import row
+from imugap.study.static.experiment import Experiment
+from imugap.study.static.monte_carlo import row
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -6,8 +6,8 @@ import pandas as pd
 from imugap.estimation.cramer_rao import bound
 from imugap.estimation.methods import METHODS
 from imugap.figures import estimation
-from imugap.study.experiment import Experiment
-from imugap.study.monte_carlo import summary, worse_than
+from imugap.study.static.experiment import Experiment
+from imugap.study.static.monte_carlo import summary, worse_than
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save

@@ -5,13 +5,13 @@ from itertools import product
 import pandas as pd
 
 from imugap import log
-from imugap.discovery.transfer import explained_variance, parameter_agreement
 from imugap.effects import CATALOGUE, title_of
 from imugap.figures import discovery
 from imugap.figures.style import AXIS_TITLES
 from imugap.model import ErrorModel
 from imugap.stream import stream
 from imugap.study import verdicts
+from imugap.study.discovery.transfer import explained_variance, parameter_agreement
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import read_json, save

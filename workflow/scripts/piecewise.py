@@ -5,10 +5,10 @@ import pandas as pd
 
 from imugap.effects import Conditions, GaussMarkov, WhiteNoise
 from imugap.effects.gauss_markov import FLAT_TOP
-from imugap.estimation import allan
-from imugap.estimation.allan_slopes import PEAK_RATIO, fit
 from imugap.estimation.cramer_rao import bound
 from imugap.estimation.result import Identifiability
+from imugap.estimation.variances import allan
+from imugap.estimation.variances.allan_slopes import PEAK_RATIO, fit
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save

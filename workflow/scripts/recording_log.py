@@ -1,8 +1,8 @@
 """Read a recording as the file of a user, cut it to its stretch, and say what is wrong with it."""
 
 from imugap import log
-from imugap.io import datasets as catalogue
-from imugap.study.recordings import RecordingRecipe, properties
+from imugap.io.catalogue import datasets as catalogue
+from imugap.study.discovery.recordings import RecordingRecipe, properties
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -1,9 +1,9 @@
 """Build the error-free log of a recording from its poses, and read the biases that their publisher estimated."""
 
 from imugap import log
-from imugap.io import datasets as catalogue
 from imugap.io import recording
-from imugap.io.poses import read_biases, read_poses
+from imugap.io.catalogue import datasets as catalogue
+from imugap.io.references.poses import read_biases, read_poses
 from imugap.kinematics.error_free import error_free_log_of
 from imugap.units import STANDARD_GRAVITY
 from imugap.workflow.job_log import job

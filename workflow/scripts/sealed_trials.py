@@ -6,7 +6,7 @@ from imu_benchmark.forecasts import forecasts
 from imu_benchmark.recipe import read
 from imu_benchmark.sealing import plan
 from imugap.discovery.device import Settings
-from imugap.study.sealed_trials import answer
+from imugap.study.discovery.sealed_trials import answer
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

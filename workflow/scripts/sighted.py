@@ -3,9 +3,10 @@
 import pandas as pd
 
 from imugap import log
-from imugap.io import datasets as catalogue
-from imugap.io import motion_capture as optical
-from imugap.io import readers, reference
+from imugap.io.catalogue import datasets as catalogue
+from imugap.io.catalogue import readers
+from imugap.io.references import motion_capture as optical
+from imugap.io.references import reference
 from imugap.kinematics.site import Site
 from imugap.workflow.job_log import job
 

@@ -16,23 +16,24 @@ import pandas as pd
 from numba import njit
 
 from imugap import log
-from imugap.estimation import allan, maximum_likelihood, wavelet_variance
+from imugap.estimation import maximum_likelihood
 from imugap.estimation.gmwm import estimator
 from imugap.estimation.indices import INDICES, of_run
-from imugap.io import datasets as catalogue
-from imugap.io import readers
+from imugap.estimation.variances import allan, wavelet_variance
+from imugap.io.catalogue import datasets as catalogue
+from imugap.io.catalogue import readers
 from imugap.kinematics.strapdown import Ellipsoid, Local, NavigationState, navigate
-from imugap.navigation.pedestrian import WalkAssumptions
-from imugap.navigation.pedestrian import navigate as navigate_foot
-from imugap.navigation.vehicle import DriveInputs
-from imugap.navigation.vehicle import navigate as navigate_vehicle
-from imugap.navigation.vehicle_alignment import align
+from imugap.navigation.drive.vehicle import DriveInputs
+from imugap.navigation.drive.vehicle import navigate as navigate_vehicle
+from imugap.navigation.drive.vehicle_alignment import align
+from imugap.navigation.walk.pedestrian import WalkAssumptions
+from imugap.navigation.walk.pedestrian import navigate as navigate_foot
 from imugap.simulation.drive import Drive
 from imugap.simulation.gnss_faults import Faults
 from imugap.simulation.walk import Walk
 from imugap.stream import stream
-from imugap.study.experiment import Experiment
-from imugap.study.fault_ablation import Ablation
+from imugap.study.drive.fault_ablation import Ablation
+from imugap.study.static.experiment import Experiment
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
@@ -43,7 +44,7 @@ import sys
 from time import perf_counter
 start = perf_counter()
 from imugap.simulation.walk import Walk
-from imugap.navigation.pedestrian import WalkAssumptions, navigate
+from imugap.navigation.walk.pedestrian import WalkAssumptions, navigate
 walk = Walk.read(sys.argv[1])
 navigate(walk.record(0, 0), walk.model, WalkAssumptions(gravity=walk.site.gravity, arm_std=0.0))
 print(perf_counter() - start)

@@ -6,10 +6,10 @@ from importlib.metadata import version
 import pandas as pd
 
 from imugap.effects import CATALOGUE, title_of
-from imugap.estimation import allan
+from imugap.estimation.variances import allan
 from imugap.figures.static import TITLES
 from imugap.interchange.from_indices import CONTENDERS
-from imugap.io import datasets as catalogue
+from imugap.io.catalogue import datasets as catalogue
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -8,7 +8,7 @@ import yaml
 
 from imugap import log
 from imugap.effects import GaussMarkov
-from imugap.io import reference
+from imugap.io.references import reference
 from imugap.model import ErrorModel
 from imugap.navigation.attitude import AttitudeAssumptions, InitialAttitude, estimate_attitude
 from imugap.numerics.rotation import to_euler

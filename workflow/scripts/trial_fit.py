@@ -6,8 +6,8 @@ import pandas as pd
 import yaml
 
 from imugap import log
-from imugap.io import reference
-from imugap.study import attitude_schemes
+from imugap.io.references import reference
+from imugap.study.attitude import attitude_schemes
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

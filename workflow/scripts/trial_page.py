@@ -5,8 +5,8 @@ import pandas as pd
 
 from imugap.estimation.result import Identifiability
 from imugap.figures import attitude
-from imugap.io.datasets import load
-from imugap.io.reference import ERROR
+from imugap.io.catalogue.datasets import load
+from imugap.io.references.reference import ERROR
 from imugap.log import GYRO
 from imugap.units import from_si
 from imugap.workflow import tables

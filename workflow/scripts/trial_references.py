@@ -1,7 +1,7 @@
 """Read the optical reference attitude of every trial."""
 
-from imugap.io import datasets as catalogue
-from imugap.io import readers
+from imugap.io.catalogue import datasets as catalogue
+from imugap.io.catalogue import readers
 from imugap.workflow.job_log import job
 
 with job(snakemake) as (source, params, output):

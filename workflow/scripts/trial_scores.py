@@ -3,10 +3,10 @@
 import pandas as pd
 
 from imugap import log
-from imugap.io import reference
+from imugap.io.references import reference
 from imugap.kinematics.strapdown import level
 from imugap.numerics.rotation import from_euler, to_euler
-from imugap.study import attitude_scores
+from imugap.study.attitude import attitude_scores
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -12,7 +12,7 @@ from imugap.effects import CATALOGUE, title_of
 from imugap.figures import sealed_trials as drawn
 from imugap.log import AXES
 from imugap.study import verdicts
-from imugap.study.detection_loss import bonferroni_half_size, half_size
+from imugap.study.discovery.detection_loss import bonferroni_half_size, half_size
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save

@@ -6,11 +6,11 @@ import numpy as np
 import pandas as pd
 
 from imugap import log
-from imugap.estimation import allan
+from imugap.estimation.variances import allan
 from imugap.model import ErrorModel
-from imugap.numerics import allan_from_psd as spectrum
+from imugap.numerics.spectra import allan_from_psd as spectrum
 from imugap.stream import stream
-from imugap.study.farrell2022 import COMPOSED
+from imugap.study.static.farrell2022 import COMPOSED
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from imugap.figures import farrell2022, style
-from imugap.study.farrell2022 import COMPOSED, KNOWN, TITLES
+from imugap.study.static.farrell2022 import COMPOSED, KNOWN, TITLES
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save

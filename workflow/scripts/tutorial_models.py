@@ -5,7 +5,7 @@ from dataclasses import asdict
 import pandas as pd
 
 from imugap.model import ErrorModel
-from imugap.study.farrell2022 import MODELS, Readings
+from imugap.study.static.farrell2022 import MODELS, Readings
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -7,8 +7,8 @@ from imugap.discovery.device import Settings, leave_one_out
 from imugap.discovery.evaluation.held_out import of_one_run
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description
-from imugap.discovery.over_runs import fit_over_runs
 from imugap.discovery.preparation.prepare import prepare
+from imugap.discovery.runs.over_runs import fit_over_runs
 from imugap.effects import PowerLaw, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.estimation.gmwm import estimator
@@ -16,7 +16,7 @@ from imugap.estimation.indices import over_runs
 from imugap.estimation.model_selection import choose
 from imugap.interchange import from_indices
 from imugap.model import ErrorModel
-from imugap.study.unseen_runs import log_scores, scores
+from imugap.study.discovery.unseen_runs import log_scores, scores
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -8,7 +8,7 @@ import pandas as pd
 from imugap.analysis.walk import DEFAULT_MODEL
 from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import WalkAssumptions, navigate
+from imugap.navigation.walk.pedestrian import WalkAssumptions, navigate
 from imugap.simulation.matched_walk import STANCE_MOTION, DeviceClass, without
 from imugap.simulation.walk import Gait, Walk, WalkCourse, WalkLeg
 from imugap.workflow.job_log import job

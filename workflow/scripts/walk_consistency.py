@@ -4,10 +4,10 @@ from dataclasses import asdict, replace
 
 import pandas as pd
 
-from imugap.navigation.pedestrian import WalkAssumptions, navigate
+from imugap.navigation.walk.pedestrian import WalkAssumptions, navigate
 from imugap.simulation.matched_walk import simulated_walk
 from imugap.simulation.walk import Walk, WalkCourse
-from imugap.study.walk_compensation import End, known_assumptions
+from imugap.study.walk.walk_compensation import End, known_assumptions
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -10,9 +10,9 @@ from imugap.discovery.device import Settings, discover
 from imugap.discovery.preparation.prepare import prepare
 from imugap.effects.effect import AxisModel
 from imugap.model import ErrorModel
-from imugap.navigation.stance_innovations import stance_test
+from imugap.navigation.walk.stance_innovations import stance_test
 from imugap.simulation.walk import Walk, WalkCourse
-from imugap.study.walk_compensation import known_assumptions
+from imugap.study.walk.walk_compensation import known_assumptions
 from imugap.workflow.job_log import job
 
 RATE_HZ = 100

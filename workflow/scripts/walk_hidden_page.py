@@ -7,7 +7,7 @@ import yaml
 
 from imugap.effects import title_of
 from imugap.model import ErrorModel
-from imugap.study.walk_naming import score, summary
+from imugap.study.walk.walk_naming import score, summary
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save

@@ -7,9 +7,9 @@ import pandas as pd
 import yaml
 
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import navigate
+from imugap.navigation.walk.pedestrian import navigate
 from imugap.simulation.walk import Walk
-from imugap.study.walk_compensation import End, filter_model, known_assumptions
+from imugap.study.walk.walk_compensation import End, filter_model, known_assumptions
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -7,7 +7,7 @@ import pandas as pd
 
 from imu_benchmark.scores import rate
 from imugap.figures import pedestrian, style
-from imugap.numerics import block_bootstrap as bootstrap
+from imugap.numerics.fitting import block_bootstrap as bootstrap
 from imugap.stream import stream
 from imugap.study import verdicts
 from imugap.workflow import tables

@@ -8,14 +8,14 @@ import pandas as pd
 from imugap.analysis.walk import DEFAULT_MODEL
 from imugap.effects import CATALOGUE
 from imugap.integrity.timestamps import filled
-from imugap.io import datasets as catalogue
-from imugap.io import readers
-from imugap.io.datasets import RawFiles
+from imugap.io.catalogue import datasets as catalogue
+from imugap.io.catalogue import readers
+from imugap.io.catalogue.datasets import RawFiles
 from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import WalkAssumptions
-from imugap.navigation.score_test import BlockScores, block_scores, score_test
-from imugap.navigation.stance_innovations import candidate_errors, foot_sinkage
+from imugap.navigation.walk.pedestrian import WalkAssumptions
+from imugap.navigation.walk.score_test import BlockScores, block_scores, score_test
+from imugap.navigation.walk.stance_innovations import candidate_errors, foot_sinkage
 from imugap.simulation.camera_track import closed_loop_aiding, compare_with_cameras
 from imugap.simulation.matched_walk import AT_REST, DeviceClass
 from imugap.simulation.walk import Walk

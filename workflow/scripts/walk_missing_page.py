@@ -5,7 +5,7 @@ import pandas as pd
 
 from imugap.figures import pedestrian
 from imugap.figures.pedestrian import SETS
-from imugap.numerics import block_bootstrap as bootstrap
+from imugap.numerics.fitting import block_bootstrap as bootstrap
 from imugap.stream import stream
 from imugap.study import verdicts
 from imugap.study.proper_scores import central_rank, energy_score

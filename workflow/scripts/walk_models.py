@@ -7,9 +7,9 @@ import yaml
 
 from imugap import log
 from imugap.effects import Bias, TurnOnBias
-from imugap.estimation import allan
 from imugap.estimation.indices import INDICES, of_run, over_runs
 from imugap.estimation.model_selection import choose
+from imugap.estimation.variances import allan
 from imugap.interchange.from_indices import CONTENDERS, averaged, fit
 from imugap.model import ErrorModel
 from imugap.simulation.walk import Walk

@@ -7,12 +7,12 @@ import pandas as pd
 
 from imugap.analysis.walk import INDOORS
 from imugap.integrity.timestamps import filled
-from imugap.io import datasets as catalogue
-from imugap.io import readers
-from imugap.io.datasets import RawFiles
-from imugap.navigation import pedestrian
+from imugap.io.catalogue import datasets as catalogue
+from imugap.io.catalogue import readers
+from imugap.io.catalogue.datasets import RawFiles
+from imugap.navigation.walk import pedestrian
 from imugap.simulation.camera_track import compare_with_cameras
-from imugap.study import walk_protocol, walk_settings
+from imugap.study.walk import walk_protocol, walk_settings
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

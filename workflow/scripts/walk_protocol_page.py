@@ -2,10 +2,11 @@
 
 import pandas as pd
 
-from imugap.numerics import block_bootstrap as bootstrap
+from imugap.numerics.fitting import block_bootstrap as bootstrap
 from imugap.stream import stream
-from imugap.study import verdicts, walk_protocol
-from imugap.study.walk_protocol import FIGURES
+from imugap.study import verdicts
+from imugap.study.walk import walk_protocol
+from imugap.study.walk.walk_protocol import FIGURES
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save

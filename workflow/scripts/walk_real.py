@@ -11,11 +11,11 @@ from scipy.stats import spearmanr
 from imugap.analysis.walk import DEFAULT_MODEL, INDOORS, WalkInputs, navigate_walk
 from imugap.integrity import report as integrity
 from imugap.integrity.timestamps import filled
-from imugap.io import datasets as catalogue
-from imugap.io import readers
-from imugap.io.datasets import RawFiles
+from imugap.io.catalogue import datasets as catalogue
+from imugap.io.catalogue import readers
+from imugap.io.catalogue.datasets import RawFiles
 from imugap.log import ACCEL
-from imugap.navigation.pedestrian import WalkAssumptions, navigate
+from imugap.navigation.walk.pedestrian import WalkAssumptions, navigate
 from imugap.simulation.camera_track import compare_with_cameras
 from imugap.simulation.matched_walk import matched_walk
 from imugap.simulation.walk import Walk

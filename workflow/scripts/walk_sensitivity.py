@@ -7,13 +7,13 @@ import pandas as pd
 
 from imugap.filters.zero_velocity import Statistic
 from imugap.integrity.timestamps import filled
-from imugap.io import datasets as catalogue
-from imugap.io import readers
-from imugap.io.datasets import RawFiles
+from imugap.io.catalogue import datasets as catalogue
+from imugap.io.catalogue import readers
+from imugap.io.catalogue.datasets import RawFiles
 from imugap.log import ACCEL
-from imugap.navigation.pedestrian import WalkAssumptions, navigate
+from imugap.navigation.walk.pedestrian import WalkAssumptions, navigate
 from imugap.simulation.camera_track import compare_with_cameras
-from imugap.study.walk_settings import WalkSetting, noise, threshold, velocity
+from imugap.study.walk.walk_settings import WalkSetting, noise, threshold, velocity
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

@@ -7,9 +7,9 @@ import pandas as pd
 import yaml
 
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import navigate
+from imugap.navigation.walk.pedestrian import navigate
 from imugap.simulation.walk import Walk
-from imugap.study.walk_compensation import End, known_assumptions, stand_biases, subtracted, white_noise_model
+from imugap.study.walk.walk_compensation import End, known_assumptions, stand_biases, subtracted, white_noise_model
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 

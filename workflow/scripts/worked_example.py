@@ -6,8 +6,8 @@ import pandas as pd
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.figures import farrell2022
-from imugap.numerics import allan_from_psd as spectrum
-from imugap.study.farrell2022_example import PrintedExample, checks
+from imugap.numerics.spectra import allan_from_psd as spectrum
+from imugap.study.static.farrell2022_example import PrintedExample, checks
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save

@@ -12,7 +12,7 @@ from imugap.integrity.regular import Fault, Regular, Remark, powered, without_po
 from imugap.integrity.report import Axis, Report, Shock, report
 from imugap.io.recording import Recording
 from imugap.log import ACCEL, axes
-from imugap.numerics.runs import runs_of
+from imugap.numerics.samples.runs import runs_of
 from imugap.units import STANDARD_GRAVITY
 
 COMMANDS = ("indices", "estimate", "discover", "walk", "drive")

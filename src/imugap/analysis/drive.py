@@ -35,7 +35,7 @@ from imugap.io.recognition import frame
 from imugap.io.recording import Recording
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
-from imugap.navigation import (
+from imugap.navigation.drive import (
     drive_error_search,
     drive_physics,
     drive_verdict,
@@ -43,10 +43,10 @@ from imugap.navigation import (
     vehicle,
     vehicle_alignment,
 )
-from imugap.navigation.correction import Correction
-from imugap.navigation.drive_error_search import deviations
-from imugap.navigation.drive_verdict import DriveVerdict
-from imugap.navigation.vehicle import (
+from imugap.navigation.drive.correction import Correction
+from imugap.navigation.drive.drive_error_search import deviations
+from imugap.navigation.drive.drive_verdict import DriveVerdict
+from imugap.navigation.drive.vehicle import (
     LEVER_ARM,
     TIME_OFFSET,
     AlignmentSettings,

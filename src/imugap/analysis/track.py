@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pandas as pd
 
-from imugap.navigation.vehicle import DriveSolution
+from imugap.navigation.drive.vehicle import DriveSolution
 
 MOST = 5000
 """Largest number of points: more than a map shows."""

@@ -14,9 +14,9 @@ from imugap.integrity.timestamps import filled
 from imugap.io.recording import Recording
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
-from imugap.navigation import pedestrian
-from imugap.navigation.pedestrian import DOWN, AlignedWalk, WalkAssumptions, WalkSolution
-from imugap.navigation.walk_physics import check_walk
+from imugap.navigation.walk import pedestrian
+from imugap.navigation.walk.pedestrian import DOWN, AlignedWalk, WalkAssumptions, WalkSolution
+from imugap.navigation.walk.walk_physics import check_walk
 
 STD = "_std"
 """Suffix of the name of a standard deviation."""

@@ -12,7 +12,7 @@ from imugap.api.logs import LogSource, ModelSource, input_of, open_model, read
 from imugap.api.result import Result, call
 from imugap.interchange.start_models.reading import Reading
 from imugap.log import rate as rate_of
-from imugap.navigation.pedestrian import WalkAssumptions
+from imugap.navigation.walk.pedestrian import WalkAssumptions
 from imugap.pages.provenance import Provenance
 from imugap.units import STANDARD_GRAVITY, to_si
 

@@ -17,9 +17,9 @@ from imugap.commands.arguments import add_examples, add_gravity
 from imugap.commands.outputs import require_files
 from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
 from imugap.discovery.inputs import MIN_SAMPLES
-from imugap.discovery.reference_band import reference_band
-from imugap.io.poses import read_poses
+from imugap.discovery.preparation.reference_band import reference_band
 from imugap.io.recognition.frame import AS_IS
+from imugap.io.references.poses import read_poses
 from imugap.kinematics.error_free import QUATERNION, error_free_log_of, rows_like
 from imugap.log import GYRO, LogError
 

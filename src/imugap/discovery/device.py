@@ -16,22 +16,22 @@ import pandas as pd
 
 from imugap.discovery.assembly import axis_effects, device_model, keep_undetermined, output_effects, with_effects
 from imugap.discovery.axis import AxisResult, AxisSearch, part, white_noise_finding
-from imugap.discovery.between_runs import clock_findings, fit_like_first, turn_on_findings
 from imugap.discovery.checks.distribution import NoiseShape, noise_shape
-from imugap.discovery.common_noise import find_common_noise
 from imugap.discovery.evaluation.distance import Distances, Drifts, Evaluation, HeldOutComparison
 from imugap.discovery.evaluation.held_out import HELD_IN_SHARE, compare_held_out, compare_test_run, evaluate
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Unnamed
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.start_model import described, noisy
-from imugap.discovery.gravity import SensedGravity
-from imugap.discovery.nameless_noise import NamelessNoise, describe
-from imugap.discovery.over_runs import OverRuns, better_over_runs, not_needed, not_recurring, search_over_runs
+from imugap.discovery.noise.common_noise import find_common_noise
+from imugap.discovery.noise.nameless_noise import NamelessNoise, describe
 from imugap.discovery.pooling import agree_on_noise, name_pooled, pooled_finding, search_each
 from imugap.discovery.posterior import posterior
+from imugap.discovery.preparation.gravity import SensedGravity
 from imugap.discovery.preparation.prepare import PreparedLog, prepare
+from imugap.discovery.preparation.reference_band import ReferenceBand, reference_band
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.reference_band import ReferenceBand, reference_band
+from imugap.discovery.runs.between_runs import clock_findings, fit_like_first, turn_on_findings
+from imugap.discovery.runs.over_runs import OverRuns, better_over_runs, not_needed, not_recurring, search_over_runs
 from imugap.discovery.search.intervals import axis_unit, intervals
 from imugap.discovery.search.shared_effects import Joint
 from imugap.discovery.steps import Progress, StepCounter, each_in_processes, no_progress

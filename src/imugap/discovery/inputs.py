@@ -25,7 +25,7 @@ from imugap.io.recognition.frame import AS_IS
 from imugap.io.recording import DEFAULTS, Recording, RecordingSettings
 from imugap.log import LogError
 from imugap.model import ErrorModel
-from imugap.numerics.change_period import change_period
+from imugap.numerics.samples.change_period import change_period
 
 MIN_SAMPLES = 320
 """Minimum number of samples of an axis, for the views of the training and the held-out part."""

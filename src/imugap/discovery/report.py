@@ -9,7 +9,7 @@ import pandas as pd
 from imugap.discovery.device import Discovery
 from imugap.discovery.evaluation.distance import Distances
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval, Unnamed, unnamed_sentences
-from imugap.discovery.nameless_noise import NamelessNoise
+from imugap.discovery.noise.nameless_noise import NamelessNoise
 from imugap.discovery.posterior import IN_WORDS, MIN_SHARE, NOT_SEEN, ambiguity_set, percent
 from imugap.effects import title_of
 from imugap.integrity.regular import counted

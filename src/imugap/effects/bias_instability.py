@@ -15,7 +15,7 @@ from imugap.effects.coloured_block import coloured_block, coloured_parts
 from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import Start, StochasticEffect, Transform, parameter
 from imugap.effects.residual import Residual
-from imugap.numerics.fractional_bank import frequencies, least_phase
+from imugap.numerics.spectra.fractional_bank import frequencies, least_phase
 
 TAPER = 4096
 """Frequencies from which the filter of 1/f up to half the rate is made."""

@@ -13,7 +13,7 @@ from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
 from imugap.effects.sinusoid import LINE, Sinusoid
-from imugap.numerics.stack_slide import highest_track
+from imugap.numerics.spectra.stack_slide import highest_track
 
 CHIRP = ("frequency", "chirp_rate", "amplitude", "phase")
 """Parameters that a fit adjusts."""

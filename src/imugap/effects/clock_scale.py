@@ -8,7 +8,7 @@ import pandas as pd
 
 from imugap.effects.block import Block
 from imugap.effects.effect import TINY, ClockEffect, Evidence, parameter
-from imugap.numerics.chi_square import log_tail
+from imugap.numerics.samples.chi_square import log_tail
 
 NORMAL = 1.959963984540054
 """Standard deviations of a two-sided interval of 95 %."""

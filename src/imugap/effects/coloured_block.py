@@ -8,14 +8,14 @@ from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import Transform
 from imugap.numerics.first_order import recurse
-from imugap.numerics.fractional_bank import LOWEST, fractional_bank
+from imugap.numerics.spectra.fractional_bank import LOWEST, fractional_bank
 
 
 def coloured_block(std: float, order: float, weights: Sequence[float] = (1.0,), sums: int = 0) -> Block:
     """Return fractionally integrated white noise as a block.
 
     Its PSD is std^2 |2 sin(pi f)|^(-2 order) before the summations, f in cycles per sample, down to
-    :data:`imugap.numerics.fractional_bank.LOWEST`.
+    :data:`imugap.numerics.spectra.fractional_bank.LOWEST`.
 
     Parameters
     ----------

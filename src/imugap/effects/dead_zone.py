@@ -11,7 +11,7 @@ from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Effect, Evidence, Role, Stage, parameter
 from imugap.integrity.precision import grain, spacing
 from imugap.integrity.report import IMPROBABLE
-from imugap.numerics.truncated_exponential import log_slope
+from imugap.numerics.samples.truncated_exponential import log_slope
 
 NEAREST, FEWEST = 100, 20
 """Samples next to the gap that give the density there, and their least number."""

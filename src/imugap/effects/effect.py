@@ -18,9 +18,9 @@ from imugap.effects.conditions import Conditions, Run
 from imugap.effects.residual import Residual
 from imugap.integrity.timestamps import Stamps
 from imugap.log import TIME
-from imugap.numerics.band_limited import interpolate
+from imugap.numerics.samples.white_samples import WhiteSamples
+from imugap.numerics.spectra.band_limited import interpolate
 from imugap.numerics.state_space import StateSpace
-from imugap.numerics.white_samples import WhiteSamples
 from imugap.stream import stream
 
 TINY = float(np.finfo(float).tiny)
@@ -392,8 +392,8 @@ class AllanEffect(AdditiveEffect):
     def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
         """Return the Allan variance [unit^2] of what :meth:`sample` draws, exactly, at averaging factors ``averaging``.
 
-        It is the expectation of :func:`imugap.estimation.allan.variance`; the continuous :meth:`allan_variance` is its
-        limit for averaging times far above the interval.
+        It is the expectation of :func:`imugap.estimation.variances.allan.variance`; the continuous
+        :meth:`allan_variance` is its limit for averaging times far above the interval.
         """
         raise NotImplementedError
 

@@ -9,7 +9,7 @@ from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import Effect, Evidence, Role, Stage, Transform, parameter
 from imugap.integrity.report import IMPROBABLE
-from imugap.numerics.change_period import change_period
+from imugap.numerics.samples.change_period import change_period
 
 MAX_REPEATS = 0.5
 """Largest share of repeats among new values, on a coarse lattice."""

@@ -11,7 +11,7 @@ from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
 from imugap.log import ACCEL, GYRO
-from imugap.numerics.band_limited import weights
+from imugap.numerics.spectra.band_limited import weights
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class LeverArm(SystematicEffect):
             raise ValueError(f"{self.name}: expected one of {', '.join(ACCEL)}; found {axis}")
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Return the component along the own axis; dw/dt is that of :mod:`imugap.numerics.band_limited`."""
+        """Return the component along the own axis; dw/dt is that of :mod:`imugap.numerics.spectra.band_limited`."""
         slopes = self.slopes(conditions)
         return self.x * slopes["x"] + self.y * slopes["y"] + self.z * slopes["z"]
 

@@ -8,7 +8,7 @@ import numpy as np
 from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import AdditiveEffect, Role, Transform, parameter
-from imugap.numerics.skipped_draws import skipped
+from imugap.numerics.samples.skipped_draws import skipped
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from imugap.effects.block import CHANNELS, Block, require_short
 from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import TINY, FilterEffect, Start, Transform, parameter
 from imugap.effects.residual import Residual
-from imugap.numerics.fractional_bank import frequencies, least_phase
+from imugap.numerics.spectra.fractional_bank import frequencies, least_phase
 
 DEFICIT = -2.5
 """Deficit of the power near half the rate [standard deviations] below which a search tries a filter."""

@@ -14,7 +14,7 @@ from imugap.effects.coloured_block import coloured_block, coloured_parts
 from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import Start, StochasticEffect, Transform, parameter
 from imugap.effects.residual import Residual
-from imugap.numerics import allan_from_psd as spectrum
+from imugap.numerics.spectra import allan_from_psd as spectrum
 
 STEEPEST = 3.0
 """Smallest exponent with an infinite Allan variance (a trend)."""

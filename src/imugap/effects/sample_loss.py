@@ -13,13 +13,15 @@ from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import ClockEffect, Evidence, Transform, parameter
 from imugap.integrity.report import IMPROBABLE
 from imugap.integrity.timestamps import Stamps
-from imugap.numerics.random_runs import estimate_from_runs, runs_in_parts, simulate_runs
-from imugap.numerics.runs import runs_of
+from imugap.numerics.samples.random_runs import estimate_from_runs, runs_in_parts, simulate_runs
+from imugap.numerics.samples.runs import runs_of
 
 
 @dataclass(frozen=True)
 class SampleLoss(ClockEffect):
-    """Gaps: rows are missing, the stamps of the others are right (:func:`imugap.numerics.random_runs.simulate_runs`).
+    """Gaps: rows are missing, the stamps of the others are right.
+
+    The gaps are runs (:func:`imugap.numerics.samples.random_runs.simulate_runs`).
 
     Samples that are lost on one axis alone are NaN; the effect is then on that axis.
     """

@@ -11,7 +11,7 @@ from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Distribution, parameter
 from imugap.effects.white_noise import WhiteNoise
-from imugap.numerics.white_samples import MAX_LEFT, WhiteSamples, two_sided_log_p
+from imugap.numerics.samples.white_samples import MAX_LEFT, WhiteSamples, two_sided_log_p
 
 MOST = 3.0
 """Largest skewness; that of exponential numbers is 2."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Effect, Stage, parameter
-from imugap.numerics.bias_stability import bias_stability
+from imugap.numerics.samples.bias_stability import bias_stability
 
 
 @dataclass(frozen=True)

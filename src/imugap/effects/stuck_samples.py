@@ -11,8 +11,8 @@ from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import TINY, Effect, Evidence, Role, Stage, Transform, parameter
 from imugap.integrity.precision import grain, spacing
 from imugap.integrity.report import IMPROBABLE
-from imugap.numerics.change_period import change_period
-from imugap.numerics.random_runs import (
+from imugap.numerics.samples.change_period import change_period
+from imugap.numerics.samples.random_runs import (
     RunEstimate,
     estimate_from_repeats,
     estimate_from_runs,
@@ -47,7 +47,10 @@ the motion is negligible, and value above which noise does not cancel it."""
 
 @dataclass(frozen=True)
 class StuckSamples(Effect):
-    """Output that repeats its last value for a run of samples (:func:`imugap.numerics.random_runs.simulate_runs`)."""
+    """Output that repeats its last value for a run of samples.
+
+    The runs are those of :func:`imugap.numerics.samples.random_runs.simulate_runs`.
+    """
 
     name: ClassVar[str] = "stuck_samples"
     stage: ClassVar[Stage] = Stage.TRANSFER

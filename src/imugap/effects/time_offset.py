@@ -12,7 +12,7 @@ from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
 from imugap.log import AXES
-from imugap.numerics.band_limited import weights
+from imugap.numerics.spectra.band_limited import weights
 
 REACH = 5
 """Largest delay of the starts of a search, either way [samples]."""

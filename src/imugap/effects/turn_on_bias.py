@@ -9,7 +9,7 @@ from scipy.special import chdtri
 from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import AdditiveEffect, Evidence, Role, Transform, parameter
-from imugap.numerics.chi_square import log_tail
+from imugap.numerics.samples.chi_square import log_tail
 
 LEAST = 1e-300
 """Lower limit of a variance over runs."""

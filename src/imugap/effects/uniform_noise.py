@@ -11,8 +11,8 @@ from imugap.effects.block import Block, sqrt
 from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import Distribution, Transform, parameter
 from imugap.effects.white_noise import WhiteNoise
-from imugap.numerics.skipped_draws import skipped
-from imugap.numerics.white_samples import MAX_LEFT, NORMAL_KURTOSIS, WhiteSamples, two_sided_log_p
+from imugap.numerics.samples.skipped_draws import skipped
+from imugap.numerics.samples.white_samples import MAX_LEFT, NORMAL_KURTOSIS, WhiteSamples, two_sided_log_p
 
 EXCESS = -1.2
 """Excess of the kurtosis of a uniform law."""

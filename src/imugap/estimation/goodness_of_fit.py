@@ -10,10 +10,10 @@ import pandas as pd
 from scipy.special import chdtr, chdtrc
 
 from imugap.effects.effect import AxisModel
-from imugap.estimation import wavelet_variance
 from imugap.estimation.cramer_rao import fisher
 from imugap.estimation.likelihood import Composition, Grid, parameters
-from imugap.numerics.daubechies import depth
+from imugap.estimation.variances import wavelet_variance
+from imugap.numerics.spectra.daubechies import depth
 
 FITS = "fits"
 MISFIT = "misfit"

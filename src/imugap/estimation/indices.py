@@ -11,9 +11,9 @@ import pandas as pd
 from scipy.special import stdtrit
 
 from imugap import log
-from imugap.estimation import allan
 from imugap.estimation.screening import information
-from imugap.numerics.bias_stability import bias_stability, period_means
+from imugap.estimation.variances import allan
+from imugap.numerics.samples.bias_stability import bias_stability, period_means
 
 LEVEL = 0.95
 ROUND_OFF = 1e-9

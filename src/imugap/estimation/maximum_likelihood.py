@@ -12,7 +12,7 @@ from imugap.effects import GaussMarkov, RateRamp
 from imugap.estimation.cramer_rao import fisher
 from imugap.estimation.likelihood import Composition, Cosines, Grid, Quantity, constant, density, slope, statistics
 from imugap.estimation.result import Fit, Identifiability, ParameterEstimate, identifiability
-from imugap.numerics.profile_likelihood import end
+from imugap.numerics.fitting.profile_likelihood import end
 from imugap.numerics.small_matrix import invert
 
 TIMES = {0: 1, 1: 14, 2: 10, 3: 8}

@@ -5,10 +5,11 @@ from functools import partial
 
 import numpy as np
 
-from imugap.estimation import allan_slopes, maximum_likelihood
+from imugap.estimation import maximum_likelihood
 from imugap.estimation.gmwm import estimator
 from imugap.estimation.gmwm.estimator import GmwmOptions, Weighting
 from imugap.estimation.result import Fit
+from imugap.estimation.variances import allan_slopes
 
 Estimator = Callable[[np.ndarray, float, Sequence[type]], Fit]
 

@@ -12,7 +12,7 @@ from scipy.special import chdtri
 
 from imugap import spelling
 from imugap.effects import CATALOGUE, GaussMarkov, Quantization, RandomWalk, RateRamp, Temperature, WhiteNoise
-from imugap.estimation import allan, allan_slopes, goodness_of_fit, maximum_likelihood
+from imugap.estimation import goodness_of_fit, maximum_likelihood
 from imugap.estimation.gap_draws import with_gaps_drawn
 from imugap.estimation.gmwm import estimator
 from imugap.estimation.gmwm.estimator import GmwmOptions
@@ -20,7 +20,8 @@ from imugap.estimation.model_selection import TERMS, Choice, Kinds, choose, join
 from imugap.estimation.result import Fit, Identifiability, ParameterEstimate
 from imugap.estimation.screening import screen
 from imugap.estimation.temperature_term import TemperatureTerm, temperature_term
-from imugap.estimation.wavelet_variance import EFFICIENCY
+from imugap.estimation.variances import allan, allan_slopes
+from imugap.estimation.variances.wavelet_variance import EFFICIENCY
 from imugap.log import GYRO
 from imugap.stream import stream
 
@@ -48,7 +49,7 @@ class Method(StrEnum):
     WAVELET = "wavelet"
     """Generalised method of wavelet moments (:mod:`imugap.estimation.gmwm.estimator`)."""
     ALLAN = "allan"
-    """Slopes of the Allan deviation (:mod:`imugap.estimation.allan_slopes`)."""
+    """Slopes of the Allan deviation (:mod:`imugap.estimation.variances.allan_slopes`)."""
 
 
 @dataclass(frozen=True)

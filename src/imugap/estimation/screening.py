@@ -2,8 +2,8 @@
 
 The samples are compared with the predictions of an autoregression that is fitted to the undisturbed ones, so that
 neither drift nor coloured noise counts as a disturbance. Samples that carry no noise of the sensor are drawn given the
-others (:mod:`imugap.numerics.gap_filling`): neither level nor spectrum is biased. A log without a disturbance is
-returned unchanged.
+others (:mod:`imugap.numerics.samples.gap_filling`): neither level nor spectrum is biased. A log without a disturbance
+is returned unchanged.
 """
 
 from collections.abc import Iterable
@@ -14,9 +14,9 @@ from scipy.ndimage import binary_closing, binary_dilation, binary_opening, unifo
 from scipy.special import bdtrc, gammainc
 
 from imugap.integrity.regular import counted
-from imugap.numerics.contaminated_normal import tails
-from imugap.numerics.gap_filling import ORDER, Autoregression
-from imugap.numerics.runs import runs_of
+from imugap.numerics.samples.contaminated_normal import tails
+from imugap.numerics.samples.gap_filling import ORDER, Autoregression
+from imugap.numerics.samples.runs import runs_of
 
 OUTLIER, LEVEL_STEP = "outlier", "level step"
 """Kinds that are counted by their samples, and that lose no samples."""

@@ -11,7 +11,7 @@ from imugap.figures.style import WIDTH, NotebookFigure, card, decades, label_low
 from imugap.filters.innovation_gate import ACCEPTED, InnovationRecord
 from imugap.io import gnss
 from imugap.log import AXES
-from imugap.navigation.vehicle import DriveSolution
+from imugap.navigation.drive.vehicle import DriveSolution
 
 FILTER, SMOOTHER, FIX, WEIGHED, REMOVED = "#0072B2", "#009E73", "#999999", "#E69F00", "#D55E00"
 OFFSET = "#CC79A7"

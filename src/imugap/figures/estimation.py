@@ -154,7 +154,7 @@ def contamination(summary: pd.DataFrame) -> Figure:
     Parameters
     ----------
     summary
-        Rows of :func:`imugap.study.monte_carlo.summary` with a column ``log`` (``clean`` or ``contaminated``).
+        Rows of :func:`imugap.study.static.monte_carlo.summary` with a column ``log`` (``clean`` or ``contaminated``).
     """
     keys = [key for key in SYMBOLS if key in set(zip(summary["effect"], summary["parameter"], strict=True))]
     keys = [key for key in keys if key[1] != "driving_psd"]

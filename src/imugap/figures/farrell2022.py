@@ -6,7 +6,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from imugap.figures.style import allan_panels, allan_unit, legend_below, panels_of
-from imugap.study.farrell2022 import COMPOSED, TITLES
+from imugap.study.static.farrell2022 import COMPOSED, TITLES
 from imugap.units import from_si
 
 COLOURS = {

@@ -10,7 +10,16 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 from imugap.figures.style import WIDTH, NotebookFigure, decades, label_lowest, legend_below, panels_of
 from imugap.io import gnss
 from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH, FaultEvent, event_kinds
-from imugap.study.fault_ablation import CLEAN, CONTAMINATED, ORACLE, SMOOTHED, WHEELS, WHOLE, Ablation, AblationRun
+from imugap.study.drive.fault_ablation import (
+    CLEAN,
+    CONTAMINATED,
+    ORACLE,
+    SMOOTHED,
+    WHEELS,
+    WHOLE,
+    Ablation,
+    AblationRun,
+)
 from imugap.units import from_si
 
 TITLES = {

@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 from imugap.figures.fault_ablation import COLOURS, TITLES
 from imugap.figures.style import decades, label_lowest, legend_below, panels_of
 from imugap.kinematics.strapdown import ATTITUDE
-from imugap.navigation.vehicle import DriveSolution
-from imugap.study.fault_ablation import SMOOTHED, WHEELS, WHOLE
+from imugap.navigation.drive.vehicle import DriveSolution
+from imugap.study.drive.fault_ablation import SMOOTHED, WHEELS, WHOLE
 
 GROUPS = (("none", "gate", "remove"), ("robust", "gated", "reset", "separation"),
           (WHEELS[WHOLE], SMOOTHED, WHEELS[SMOOTHED]))  # fmt: skip

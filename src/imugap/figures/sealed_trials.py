@@ -8,7 +8,7 @@ from matplotlib.ticker import NullFormatter, NullLocator, PercentFormatter
 from imugap.effects import title_of
 from imugap.figures.discovery import PLAIN
 from imugap.figures.style import legend_below, panels_of
-from imugap.study.detection_loss import bonferroni_half_size, oracle_power
+from imugap.study.discovery.detection_loss import bonferroni_half_size, oracle_power
 
 FOUND, ORACLE, EDGE = "#0072B2", "#555555", 0.03
 

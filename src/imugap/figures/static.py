@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from imugap.estimation.allan import LAWS
 from imugap.estimation.indices import INDICES
+from imugap.estimation.variances.allan import LAWS
 from imugap.figures.style import AXIS_TITLES, allan_panels, allan_unit, decades, label_lowest, legend_below, panels_of
 from imugap.units import from_si
 

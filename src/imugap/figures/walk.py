@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from imugap.figures.style import WIDTH, NotebookFigure, card, legend_below, panels_of, time_axis
 from imugap.filters.zero_velocity import MOVING
-from imugap.navigation.pedestrian import WalkSolution
+from imugap.navigation.walk.pedestrian import WalkSolution
 
 COLOUR = "#0072B2"
 STANCE = "#D55E00"

@@ -17,7 +17,7 @@ from imugap.integrity.row_clock import rate_change
 from imugap.integrity.timestamps import Stamps, stamps
 from imugap.integrity.true_sampling import KNOTS, REPEATED, TrueSampling, held, interpolated
 from imugap.log import ACCEL, COLUMNS, GYRO, TIME, LogError, axes
-from imugap.numerics.runs import runs_of
+from imugap.numerics.samples.runs import runs_of
 
 IMPROBABLE = 1e-6
 """Probability of equal rows by chance below which they are written twice."""

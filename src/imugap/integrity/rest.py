@@ -9,7 +9,7 @@ import pandas as pd
 from scipy.ndimage import median_filter
 
 from imugap.log import ACCEL, GYRO
-from imugap.numerics.runs import runs_of
+from imugap.numerics.samples.runs import runs_of
 
 WINDOW_S = 1.0
 """Length of a window [s]."""

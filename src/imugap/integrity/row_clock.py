@@ -11,7 +11,7 @@ from typing import NoReturn
 import numpy as np
 
 from imugap.log import LogError
-from imugap.numerics.straight_line import slope
+from imugap.numerics.fitting.straight_line import slope
 
 SHORT, LONGEST = 16, 512
 """Rows of a short span, and most rows of a long one."""

@@ -21,7 +21,7 @@ from imugap.integrity.precision import grain
 from imugap.integrity.row_clock import every_row_is_a_sample, in_order, longest_rounded_step, rate_change, single_losses
 from imugap.integrity.row_clock import slots as slots_of_rows
 from imugap.log import TIME, LogError, check, interval
-from imugap.numerics.straight_line import slope
+from imugap.numerics.fitting.straight_line import slope
 
 BLURRED = 0.8
 """Rounding of the stamps [intervals], if it does not divide the interval, above which the clock is not observable."""

@@ -5,7 +5,7 @@ import pandas as pd
 from scipy.spatial.transform import Rotation, Slerp
 
 from imugap.log import ACCEL, GYRO, TIME
-from imugap.numerics.band_limited import interpolate
+from imugap.numerics.spectra.band_limited import interpolate
 
 QUATERNION = ("quat_x", "quat_y", "quat_z", "quat_w")
 """Columns of the attitude of a pose: unit quaternion from the body to the world, scalar last."""
@@ -61,7 +61,7 @@ def error_free_log(poses: pd.DataFrame, at: np.ndarray, gravity: float) -> pd.Da
     Parameters
     ----------
     poses
-        As :func:`imugap.io.poses.read_poses` gives them.
+        As :func:`imugap.io.references.poses.read_poses` gives them.
     at
         Increasing times, shape (m,).
     gravity

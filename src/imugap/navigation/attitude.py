@@ -1,9 +1,9 @@
 """Attitude from gyroscopes and accelerometers: an error-state Kalman filter on the error model of the device.
 
 The gyroscopes are integrated; the accelerometers observe the vertical. The states are the attitude error, a rotation
-vector in ``n`` (estimated - true, :mod:`imugap.io.reference`), and for each axis a constant bias and the states of its
-error model (:meth:`imugap.model.AxisModel.state_space`). All estimates are fed back at every sample, so the error state
-itself is zero; corrections multiply the attitude quaternion (Markley 2003).
+vector in ``n`` (estimated - true, :mod:`imugap.io.references.reference`), and for each axis a constant bias and the
+states of its error model (:meth:`imugap.model.AxisModel.state_space`). All estimates are fed back at every sample, so
+the error state itself is zero; corrections multiply the attitude quaternion (Markley 2003).
 
 Without a magnetometer the heading is not observed: its error drifts, as does the bias of a gyroscope whose axis is
 vertical. Errors of level accelerometers cannot be separated from a tilt.

@@ -8,7 +8,7 @@ import numpy as np
 from imugap.discovery.evaluation.distance import Distances
 from imugap.discovery.finding import Discrepancy, Finding, Interval, unnamed_sentences
 from imugap.discovery.inputs import FileDiscovery
-from imugap.discovery.nameless_noise import NamelessNoise
+from imugap.discovery.noise.nameless_noise import NamelessNoise
 from imugap.discovery.report import certainty, describe_locations, describe_range, described_sentences
 from imugap.discovery.start_comparison.parameters import StartParameter
 from imugap.discovery.start_comparison.wording import sentences

@@ -13,7 +13,7 @@ import pandas as pd
 from scipy.optimize import least_squares
 
 from imugap.kinematics.strapdown import ATTITUDE, POSITION
-from imugap.navigation.pedestrian import PositionAiding, WalkSolution
+from imugap.navigation.walk.pedestrian import PositionAiding, WalkSolution
 from imugap.numerics.rotation import from_euler
 
 STEP_S = 0.02
@@ -124,7 +124,7 @@ def compare_with_cameras(solution: WalkSolution, seen: pd.DataFrame, stiff: bool
     ----------
     seen
         Index ``time`` [s], columns :data:`imugap.kinematics.strapdown.POSITION` [m]
-        (:func:`imugap.io.readers.read_positions`).
+        (:func:`imugap.io.catalogue.readers.read_positions`).
     stiff
         Whether the arm is fitted; if not, the marker is at the device.
     """

@@ -22,7 +22,8 @@ from scipy.spatial.transform import Rotation
 from imugap import log
 from imugap.effects import ScaleFactor, WhiteNoise
 from imugap.effects.effect import AxisModel
-from imugap.io import gnss, reference
+from imugap.io import gnss
+from imugap.io.references import reference
 from imugap.kinematics.strapdown import ATTITUDE, COLUMNS, POSITION, VELOCITY, Ellipsoid, ellipsoid_step, increments
 from imugap.log import ACCEL, AXES, GYRO
 from imugap.model import ErrorModel

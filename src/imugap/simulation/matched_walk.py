@@ -16,11 +16,11 @@ import yaml
 from imugap.effects import CATALOGUE
 from imugap.effects.effect import AxisModel, Effect
 from imugap.filters.zero_velocity import MOVING
-from imugap.io import reference
+from imugap.io.references import reference
 from imugap.kinematics.strapdown import POSITION, VELOCITY
 from imugap.log import ACCEL, AXES, GYRO, triad
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import SHORTEST_STRIDE_M, WalkAssumptions, WalkSolution
+from imugap.navigation.walk.pedestrian import SHORTEST_STRIDE_M, WalkAssumptions, WalkSolution
 from imugap.simulation.walk import Walk, WalkCourse, WalkLeg
 from imugap.stream import stream
 

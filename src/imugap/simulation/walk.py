@@ -16,7 +16,7 @@ import pandas as pd
 import yaml
 from scipy.interpolate import BSpline, make_interp_spline
 
-from imugap.io import reference
+from imugap.io.references import reference
 from imugap.kinematics.site import Site
 from imugap.kinematics.strapdown import ATTITUDE, COLUMNS, POSITION, VELOCITY
 from imugap.model import ErrorModel

@@ -13,7 +13,7 @@ import pandas as pd
 from imugap.filters.zero_velocity import STANCE
 from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import WalkAssumptions, WalkSolution, navigate
+from imugap.navigation.walk.pedestrian import WalkAssumptions, WalkSolution, navigate
 from imugap.simulation.camera_track import compare_with_cameras
 
 

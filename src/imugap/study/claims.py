@@ -7,7 +7,7 @@ import pandas as pd
 from imugap.interchange.from_indices import SOURCE
 from imugap.kinematics.free_inertial import QUANTITIES
 from imugap.study import verdicts
-from imugap.study.rankings import share_interval
+from imugap.study.static.rankings import share_interval
 from imugap.workflow import tables
 
 RELIABLE, LIKELY = 0.9, 0.5

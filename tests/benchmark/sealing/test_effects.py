@@ -15,7 +15,7 @@ from imu_benchmark.sealing import detection_limits as limits
 from imu_benchmark.sealing.hidden_effect import AxisRun, ParameterSource
 from imu_benchmark.sealing.motion import MOTIONS, rest
 from imu_benchmark.sealing.noise import BaseNoise, fractional, rounded, summed
-from imugap.estimation import allan
+from imugap.estimation.variances import allan
 from imugap.log import ACCEL, AXES, GYRO, from_samples
 from imugap.stream import stream
 

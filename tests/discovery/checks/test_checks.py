@@ -53,7 +53,7 @@ from imugap.effects import (
     WarmUp,
 )
 from imugap.effects.power_law import STEEPEST
-from imugap.numerics.contaminated_normal import tails
+from imugap.numerics.samples.contaminated_normal import tails
 from imugap.stream import stream
 
 sequence = partial(simulated.sequence, label="doubts")

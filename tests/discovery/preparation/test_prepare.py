@@ -12,7 +12,7 @@ from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel
 from imugap.log import LogError
 from imugap.model import ErrorModel
-from imugap.numerics.random_runs import simulate_runs
+from imugap.numerics.samples.random_runs import simulate_runs
 from imugap.stream import stream
 
 SD = 0.1

@@ -7,11 +7,12 @@ from tests.estimation.setting import COUNT, INTERVAL, kinds, model, simulate, tr
 
 from imugap.effects import GaussMarkov, Quantization, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
-from imugap.estimation import maximum_likelihood, wavelet_variance
+from imugap.estimation import maximum_likelihood
 from imugap.estimation.cramer_rao import bound
 from imugap.estimation.gmwm.estimator import GmwmOptions, fit, fit_by_simulation, fit_curve, point_estimate
 from imugap.estimation.gmwm.moments import Weighting
 from imugap.estimation.result import Identifiability
+from imugap.estimation.variances import wavelet_variance
 from imugap.stream import stream
 
 REFERENCE = Path(__file__).parents[2] / "reference"

@@ -3,7 +3,7 @@ import pytest
 from tests.estimation.gmwm.families import INTERVAL, family_of
 
 from imugap.effects import BiasInstability, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
-from imugap.estimation import wavelet_variance
+from imugap.estimation.variances import wavelet_variance
 
 
 @pytest.mark.parametrize("width", [2, 4])

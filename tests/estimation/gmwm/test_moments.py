@@ -3,11 +3,11 @@ import pytest
 from tests.estimation.gmwm.families import INTERVAL
 
 from imugap.effects import Conditions, GaussMarkov, RandomWalk, WhiteNoise
-from imugap.estimation import wavelet_variance
 from imugap.estimation.gmwm.implied import Family
 from imugap.estimation.gmwm.moments import MomentMatching, SandwichCovariance, Weighting
 from imugap.estimation.gmwm.quasi_likelihood import Constraint, ConstraintKind
 from imugap.estimation.likelihood import Composition
+from imugap.estimation.variances import wavelet_variance
 
 COUNT = 4000
 MODEL = WhiteNoise(5e-2) + GaussMarkov(0.1, 5.0)

@@ -52,10 +52,10 @@ from imugap.effects import (
     WhiteNoise,
 )
 from imugap.effects.effect import AxisModel
-from imugap.estimation import allan
+from imugap.estimation.variances import allan
 from imugap.interchange.code.program import Language, left_out, program
 from imugap.model import ErrorModel
-from imugap.numerics.band_limited import REACH
+from imugap.numerics.spectra.band_limited import REACH
 
 RATE = 100.0
 SEEDS = range(3)

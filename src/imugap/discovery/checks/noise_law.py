@@ -10,7 +10,7 @@ from imugap.discovery.finding import MIN_LOG_P, Finding, Interval
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.intervals import intervals
 from imugap.effects.effect import Distribution, Effect
-from imugap.numerics.white_samples import WhiteSamples
+from imugap.numerics.samples.white_samples import WhiteSamples
 
 MIN_SHARE = 0.9
 """Least share of the white noise in the standard deviation of what a fit makes white."""

@@ -18,7 +18,7 @@ from imugap.discovery.search.search import PARAMETER_COST, Candidate, Search, co
 from imugap.discovery.views.spectral import of_spectrum
 from imugap.effects.effect import TINY, Effect, Role, StochasticEffect
 from imugap.effects.power_law import PowerLaw
-from imugap.numerics.white_samples import two_sided_log_p
+from imugap.numerics.samples.white_samples import two_sided_log_p
 
 SLOPE, POWER_LAW = "its spectrum has another slope", "a power law of another slope explains it better"
 POWER_LAW_AS_WELL = "a power law explains it as well"

@@ -23,7 +23,7 @@ from imugap.discovery.views.curve import block_starts
 from imugap.discovery.views.spectral import bands
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel
-from imugap.estimation import allan
+from imugap.estimation.variances import allan
 from imugap.kinematics import free_inertial as drift
 from imugap.kinematics.site import Site
 from imugap.model import ErrorModel, conditions, offset_of

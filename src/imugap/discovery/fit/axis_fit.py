@@ -21,7 +21,7 @@ from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.preparation.cosine_bins import cosine_coefficients
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects.effect import Effect, FilterEffect, Role, StochasticEffect, VarianceEffect
-from imugap.numerics.contaminated_normal import Tails, tails
+from imugap.numerics.samples.contaminated_normal import Tails, tails
 from imugap.stream import stream
 
 Made = TypeVar("Made")

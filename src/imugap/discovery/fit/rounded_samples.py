@@ -15,7 +15,7 @@ from scipy.special import expit, logit, ndtr, ndtri
 
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.numerics.contaminated_normal import STARTS, Tails, ends
+from imugap.numerics.samples.contaminated_normal import STARTS, Tails, ends
 
 MIN_WHITE_SHARE = 0.5
 """Least share of white noise in the power, with which its samples can be told from what is slower."""

@@ -19,7 +19,7 @@ from imugap.discovery.fit.axis_fit import AxisFit, scale
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import GaussMarkov, RandomTelegraph
 from imugap.effects.effect import StochasticEffect, VarianceEffect
-from imugap.numerics.bhhh import Maximum, maximise
+from imugap.numerics.fitting.bhhh import Maximum, maximise
 
 BLOCKS_PER_TIME = 48
 """Blocks per correlation time, as far as the filter lets a step be over within one."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from imugap.discovery.preparation.cosine_bins import Bins
 from imugap.effects.effect import TINY, FilterEffect, Role, StochasticEffect
-from imugap.numerics.damped_steps import Damping, optimise
+from imugap.numerics.fitting.damped_steps import Damping, optimise
 
 DIFFERENCE_STEP = 1e-4
 """Step of a log parameter in a difference quotient."""

@@ -24,7 +24,7 @@ from imugap.integrity.thermometer import smoothed
 from imugap.integrity.timestamps import LEAST, ROUNDED, Stamps, stamps
 from imugap.log import ACCEL, AXES, GYRO, TEMPERATURE, TIME, LogError, axes
 from imugap.model import ErrorModel
-from imugap.numerics.runs import runs_of
+from imugap.numerics.samples.runs import runs_of
 from imugap.stream import stream
 
 CERTAIN_LOG_P = -1e6

@@ -9,7 +9,7 @@ from scipy.special import log_ndtr, ndtri_exp
 
 from imugap.discovery.preparation.cosine_bins import MAX_USED_SHARE, Bins
 from imugap.effects.conditions import Conditions
-from imugap.numerics.gap_filling import Autoregression
+from imugap.numerics.samples.gap_filling import Autoregression
 
 MIN_COARSE_SHARE = 1 / 3
 """Minimum share of one value on a coarse lattice, whose step is the standard deviation or more."""
@@ -78,7 +78,7 @@ class AxisSequence:
     def with_replaced(self, flawed: np.ndarray, rng: np.random.Generator) -> "AxisSequence":
         """Return the sequence with further samples replaced.
 
-        They are drawn given the others (:mod:`imugap.numerics.gap_filling`), so that neither level nor
+        They are drawn given the others (:mod:`imugap.numerics.samples.gap_filling`), so that neither level nor
         spectrum is biased.
         """
         if not flawed.any():

@@ -10,7 +10,7 @@ import numpy as np
 
 from imugap.estimation.screening import disturbed
 from imugap.log import ACCEL, GYRO
-from imugap.numerics.runs import runs_of
+from imugap.numerics.samples.runs import runs_of
 from imugap.stream import stream
 
 MIN_AXES = 3

@@ -23,7 +23,7 @@ from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.pairs import Pair, SmoothTerms
 from imugap.effects import CATALOGUE
 from imugap.effects.effect import Effect, Role, Start, StochasticEffect
-from imugap.numerics.contaminated_normal import Tails
+from imugap.numerics.samples.contaminated_normal import Tails
 from imugap.stream import stream
 
 TAIL_SHAPES = 100.0

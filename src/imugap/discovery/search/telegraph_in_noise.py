@@ -18,7 +18,7 @@ from imugap.discovery.search.intervals import NORMAL_QUANTILE
 from imugap.discovery.search.search import log_p_of_gain
 from imugap.effects import RandomTelegraph
 from imugap.effects.effect import StochasticEffect
-from imugap.numerics.bhhh import maximise
+from imugap.numerics.fitting.bhhh import maximise
 from imugap.stream import stream
 
 TIME_FACTORS = (1.0, 5.0)

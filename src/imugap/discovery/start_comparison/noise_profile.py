@@ -15,10 +15,10 @@ from scipy.optimize import minimize
 
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.whittle import DIFFERENCE_STEP, Noise, NoiseFit, NoiseSpectra, fit, limits
-from imugap.discovery.over_runs import fit_over_runs
 from imugap.discovery.preparation.cosine_bins import Bins
+from imugap.discovery.runs.over_runs import fit_over_runs
 from imugap.effects.effect import Effect, Role
-from imugap.numerics.profile_likelihood import end
+from imugap.numerics.fitting.profile_likelihood import end
 
 MAX_WALD_ERROR = 0.1
 """Standard deviation of a log parameter below which its likelihood is that of a normal distribution."""

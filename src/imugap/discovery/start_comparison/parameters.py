@@ -15,13 +15,13 @@ import numpy as np
 from scipy.stats import chi2, norm
 
 from imugap.discovery.axis import AxisResult
-from imugap.discovery.between_runs import mean_variance
 from imugap.discovery.device import Discovery
 from imugap.discovery.finding import MIN_LOG_P, Finding, Interval
 from imugap.discovery.fit.axis_fit import AxisFit, jacobian, offset
 from imugap.discovery.fit.description import Entry
 from imugap.discovery.fit.start_model import noisy, undetermined
 from imugap.discovery.preparation.rounding import unrounded
+from imugap.discovery.runs.between_runs import mean_variance
 from imugap.discovery.search.intervals import axis_unit
 from imugap.discovery.start_comparison.noise_profile import NoiseProfile
 from imugap.effects import CATALOGUE

@@ -1,8 +1,8 @@
-"""Detect chirps in the whitened residual of a fit (:mod:`imugap.numerics.stack_slide`)."""
+"""Detect chirps in the whitened residual of a fit (:mod:`imugap.numerics.spectra.stack_slide`)."""
 
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.unnamed.wandering_lines import Band
-from imugap.numerics.stack_slide import highest_track
+from imugap.numerics.spectra.stack_slide import highest_track
 
 
 def find_chirps(found: AxisFit, log_alpha: float) -> tuple[Band, ...]:

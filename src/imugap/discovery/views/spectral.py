@@ -16,7 +16,7 @@ from imugap.discovery.views.curve import (
     window_sums,
     windows,
 )
-from imugap.estimation import allan
+from imugap.estimation.variances import allan
 
 PER_DECADE = 6
 """Averaging times per decade."""

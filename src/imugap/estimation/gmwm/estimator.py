@@ -14,7 +14,6 @@ import pandas as pd
 from scipy.special import chdtri
 
 from imugap.effects import Conditions, RateRamp
-from imugap.estimation import wavelet_variance
 from imugap.estimation.gmwm.implied import Family
 from imugap.estimation.gmwm.moments import MomentMatching, SandwichCovariance, Weighting
 from imugap.estimation.gmwm.quasi_likelihood import (
@@ -27,8 +26,9 @@ from imugap.estimation.gmwm.quasi_likelihood import (
 from imugap.estimation.gmwm.start import Point
 from imugap.estimation.likelihood import Composition, Quantity
 from imugap.estimation.result import Fit, ParameterEstimate, identifiability
+from imugap.estimation.variances import wavelet_variance
 from imugap.model import ErrorModel
-from imugap.numerics.damped_steps import Damping, optimise
+from imugap.numerics.fitting.damped_steps import Damping, optimise
 
 REFINEMENTS = 2
 """Number of updates of a limit of an interval with the weights of the model there."""

@@ -12,8 +12,8 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from imugap.effects import GaussMarkov
 from imugap.effects.effect import AllanEffect
-from imugap.estimation import wavelet_variance
 from imugap.estimation.likelihood import Composition
+from imugap.estimation.variances import wavelet_variance
 
 SHORTEST, LONGEST = 0.05, 100.0
 """Limits of the correlation time, in sampling intervals (white noise) and in the longest averaging time."""

@@ -7,11 +7,11 @@ from functools import lru_cache
 import numpy as np
 import pandas as pd
 
-from imugap.estimation import wavelet_variance
 from imugap.estimation.gmwm.implied import Family
 from imugap.estimation.gmwm.quasi_likelihood import Constraint, ConstraintKind, QuasiScoreSolver, Weights
 from imugap.estimation.gmwm.start import DistanceSearch, Point
 from imugap.estimation.likelihood import Quantity
+from imugap.estimation.variances import wavelet_variance
 
 ROUNDS = 12
 """Largest number of updates of the weights."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from imugap.estimation.gmwm.implied import Family
 from imugap.estimation.gmwm.start import Point
-from imugap.numerics.profile_likelihood import end
+from imugap.numerics.fitting.profile_likelihood import end
 
 ITERATIONS = 60
 LONGEST_STEP = 1.0

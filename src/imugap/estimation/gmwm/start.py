@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from imugap.estimation.gmwm.implied import Family
-from imugap.numerics.damped_steps import Damping, optimise
+from imugap.numerics.fitting.damped_steps import Damping, optimise
 
 GRID = {0: 1, 1: 36, 2: 24, 3: 14}
 """Points of the grid of correlation times, by number of Gauss-Markov processes."""

@@ -1,0 +1,166 @@
+"""Verdict on a navigated drive: whether innovations, smoother and outage test agree with what the filter states.
+
+Innovations
+    As large as expected, but for a small share that fails the global test.
+Smoother
+    Smoother less filter has the covariance of the filter less that of the smoother.
+Outage test
+    The fixes of some stretches are withheld; the prediction at their end errs by as much as it states.
+
+What is stated too small is multiplied by what the tests find: a solution does not state less than it is wrong by.
+
+Source: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section
+5.4.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import chdtri
+
+from imugap.filters.innovation_gate import CLOSED, OPENED, RESET, SEPARATED, QualityControl
+from imugap.io.gnss import PLACE_STD, VELOCITY_STD
+from imugap.navigation.drive.correction import Correction
+from imugap.navigation.drive.drive_error_search import FAILING, LARGEST_NIS, InnovationFit, deviations, solve
+from imugap.navigation.drive.vehicle import DriveInputs, DriveSolution
+
+OUTAGE_S, OUTAGES, SETTLING_S = 15.0, 4, 45.0
+"""Length of a withheld stretch, largest number of them, and time before the first and between them [s]."""
+WITHHELD_STD = 1e3
+"""Standard deviation given to a withheld fix [m], [m/s]: it has next to no weight, and its innovation is recorded."""
+FALSE_ALARM = 1e-6
+"""Probability that the outage test of a consistent filter fails."""
+LARGEST_SMOOTHER = 6.0
+"""Mean square of smoother less filter over the expected one above which they disagree."""
+EXCEPTIONAL = 10 * QualityControl().false_alarm
+"""Share of fixes that fail the test of the innovations from which on it is stated."""
+SMALLEST_SHARE = 0.05
+"""Share of the filter's variance that smoothing has to take for a comparison."""
+
+
+@dataclass(frozen=True)
+class DriveVerdict:
+    """Verdict on a drive.
+
+    Attributes
+    ----------
+    corrections
+        What was wrong with the inputs, and what was done.
+    fit
+        Fit of the innovations.
+    smoother, outage
+        Mean normalised squares of smoother less filter, and of predictions over withheld stretches, each over its
+        degrees of freedom; NaN where there are none.
+    outage_limit
+        Limit of the outage test.
+    offset_since
+        Time from which on to the end the positions of the fixes are taken to be off by an offset [s]; None if not.
+    """
+
+    corrections: tuple[Correction, ...]
+    fit: InnovationFit
+    smoother: float
+    outage: float
+    outage_limit: float
+    offset_since: float | None = None
+
+    @property
+    def reasons(self) -> list[str]:
+        """What does not agree, in words."""
+        found = []
+        if self.fit.failing >= FAILING:
+            found.append(f"{self.fit.failing:.0%} of the fixes fail the test of the innovations")
+        if self.fit.nis >= LARGEST_NIS:
+            found.append(f"innovations are {np.sqrt(self.fit.nis):.2g} times as large as stated")
+        if self.smoother > LARGEST_SMOOTHER:
+            found.append(f"smoother and filter differ by {np.sqrt(self.smoother):.2g} times what is stated")
+        if self.outage > self.outage_limit:
+            found.append(f"without fixes the path errs by {np.sqrt(self.outage):.2g} times what is stated")
+        return found
+
+    @property
+    def agrees(self) -> bool:
+        """Whether everything agrees as it was given."""
+        return not self.corrections and not self.reasons and self.offset_since is None
+
+    @property
+    def factor(self) -> float:
+        """Factor on the stated standard deviations, at least 1."""
+        if not self.reasons:
+            return 1.0
+        return float(np.sqrt(np.nanmax([1.0, self.fit.nis, self.smoother, self.outage])))
+
+    def __str__(self) -> str:
+        """Return the verdict in words."""
+        parts = [str(one) for one in self.corrections]
+        if self.reasons:
+            parts.append(f"device and fixes do not agree: {'; '.join(self.reasons)}; nothing that was tried corrects "
+                         f"it, and the stated deviations are multiplied by {self.factor:.2g}")  # fmt: skip
+        else:
+            until = "" if self.offset_since is None else f" until {self.offset_since:.10g} s"
+            then = " then" if self.corrections else ""
+            parts.append(f"device and fixes agree{then}{until}{self._exceptions()}")
+        if self.offset_since is not None:
+            parts.append(f"from {self.offset_since:.10g} s to the end the path lies beside the fixes: these "
+                         "are off, or earlier ones drew it away")  # fmt: skip
+        return ". ".join(one[0].upper() + one[1:] for one in parts) + "."
+
+    def _exceptions(self) -> str:
+        """Return the share of fixes that do not fit, in words; nothing where it may be chance."""
+        share = self.fit.failing
+        return f", but for {share:.1%} of the fixes, which count less or not at all" if share > EXCEPTIONAL else ""
+
+
+def judge(
+    inputs: DriveInputs, corrections: tuple[Correction, ...], filtered: DriveSolution, smoothed: DriveSolution
+) -> DriveVerdict:
+    """Judge the solutions of a drive."""
+    outage, limit = outage_test(inputs)
+    smoother = smoother_test(filtered, smoothed)
+    return DriveVerdict(corrections, InnovationFit.of(filtered), smoother, outage, limit, _offset_since(filtered))
+
+
+def _offset_since(solution: DriveSolution) -> float | None:
+    """Return the time at which an offset was opened that neither closes nor ends in a reset [s]."""
+    events = solution.events
+    last = events[events["event"].isin((OPENED, SEPARATED, CLOSED, RESET))].tail(1)
+    return next((float(one.time) for one in last.itertuples() if one.event in (OPENED, SEPARATED)), None)
+
+
+def smoother_test(filtered: DriveSolution, smoothed: DriveSolution) -> float:
+    """Return the median normalised square of smoother less filter at the fixes, as a mean square over its freedom."""
+    rows = filtered.fix_row
+    apart = (smoothed.history.navigation[rows, :2] - filtered.history.navigation[rows, :2]) ** 2
+    filter_variance = filtered.history.variances[rows, :2]
+    gain = filter_variance - smoothed.history.variances[rows, :2]
+    known = gain > SMALLEST_SHARE * filter_variance
+    return float(np.median(apart[known] / gain[known]) / 0.455) if known.sum() > 10 else float("nan")
+
+
+def outage_test(inputs: DriveInputs) -> tuple[float, float]:
+    """Return the mean normalised square of the prediction at the end of withheld stretches, and its limit."""
+    time = inputs.fixes.index.to_numpy(dtype=float)
+    begin = solve(inputs).time[0] - inputs.assumptions.time_offset_s + SETTLING_S
+    last = min(time[-1], inputs.log.index[-1] - inputs.assumptions.time_offset_s)
+    count = int(min((last - begin) // (SETTLING_S + OUTAGE_S), OUTAGES))
+    if count < 1:
+        return float("nan"), float("inf")
+    starts = begin + np.arange(count) * (last - begin) / count
+    withheld = np.zeros(len(time), bool)
+    for start in starts:
+        withheld |= (time > start) & (time <= start + OUTAGE_S)
+    std = deviations(inputs)
+    hidden = np.where(withheld[:, None], WITHHELD_STD, std)
+    columns = dict(zip((*PLACE_STD, *VELOCITY_STD), hidden.T, strict=True))
+    record = (one := solve(replace(inputs, fixes=inputs.fixes.assign(**columns)))).record
+    squares = []
+    for start in starts:
+        number = int(np.searchsorted(time, start + OUTAGE_S, "right")) - 1
+        row = np.searchsorted(one.fix_time, time[number])
+        if not (withheld[number] and time[number] > start + OUTAGE_S / 2) or row == len(one.fix_time):
+            continue
+        variance = record.variance[row, :2] - WITHHELD_STD**2 + std[number, :2] ** 2
+        squares.append(float(np.mean(record.innovation[row, :2] ** 2 / variance)))
+    if not squares:
+        return float("nan"), float("inf")
+    return float(np.mean(squares)), float(chdtri(2 * len(squares), FALSE_ALARM) / (2 * len(squares)))

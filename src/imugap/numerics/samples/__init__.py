@@ -1,0 +1,4 @@
+"""Laws of samples: tails, mixtures, runs of states, repeats, lost samples.
+
+May import nothing but its neighbours in :mod:`imugap.numerics`.
+"""

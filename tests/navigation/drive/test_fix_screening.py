@@ -1,0 +1,101 @@
+"""Fixes that no filter can use are left out, wrong units and orders refused by name; sound fixes pass."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from imugap.io import gnss
+from imugap.navigation.drive.fix_screening import screen
+from imugap.stream import stream
+
+SEED = 59
+STD = (1.5, 1.5, 3.0)
+SPEEDS = ["vel_n", "vel_e", "vel_d"]
+
+
+@pytest.fixture(scope="module", params=[1, 5, 10])
+def fixes(lap, request):
+    return replace(lap, receiver=replace(lap.receiver, rate_hz=request.param)).fixes(1, SEED)
+
+
+@pytest.fixture(scope="module")
+def sound(lap):
+    return replace(lap, receiver=replace(lap.receiver, rate_hz=5)).fixes(2, SEED)
+
+
+def test_sound_fixes_pass_with_outages_and_outliers(fixes):
+    spoilt = fixes[(fixes.index < 150) | (fixes.index > 190)].copy()
+    spoilt.iloc[60, 0] += 80 / 6.4e6
+    for one in (fixes, spoilt, fixes.drop(columns=[name for name in fixes if "vel" in name])):
+        found, corrections = screen(one, STD)
+        assert found is one or found.equals(one)
+        assert not corrections
+
+
+@pytest.mark.parametrize("shift", [(3e-3, 0.0), (0.0, 3e-5), (-0.4, 2.0)])
+def test_first_fixes_from_elsewhere_are_left_out(fixes, shift):
+    wrong = fixes.copy()
+    wrong.iloc[:8, 0] += shift[0]
+    wrong.iloc[:8, 1] += shift[1]
+    found, (correction,) = screen(wrong, STD)
+    assert found.equals(wrong.iloc[8:])
+    assert correction.error == "fixes from elsewhere"
+
+
+@pytest.mark.parametrize("rows", [slice(0, 9), slice(100, 103)])
+def test_fixes_at_zero_are_left_out(fixes, rows):
+    wrong = fixes.copy()
+    wrong.iloc[rows, :3] = 0
+    found, (correction,) = screen(wrong, STD)
+    assert len(found) == len(fixes) - (rows.stop - rows.start)
+    assert correction.error == "fixes before lock"
+
+
+@pytest.mark.parametrize("times", [2, 5, 10])
+def test_held_fixes_are_kept_once(sound, times):
+    own = sound.iloc[::5]
+    held = own.loc[own.index.repeat(times)]
+    held.index = held.index + np.tile(np.arange(times), len(own)) / times
+    held.index.name = sound.index.name
+    found, (correction,) = screen(held, STD)
+    assert correction.error == "held fixes"
+    assert np.isin(own.index, found.index).mean() > 0.99
+    assert len(found) < 1.01 * len(own)
+
+
+def test_a_receiver_that_stands_may_repeat_itself(sound):
+    still = sound.copy()
+    columns = [*gnss.PLACE, *SPEEDS]
+    still.loc[:14.0, columns] = still[columns].iloc[0].to_numpy()
+    still.loc[:14.0, SPEEDS] = 0.0
+    assert not screen(still, STD)[1]
+
+
+def turned(fixes, **columns):
+    return fixes.assign(**{name: fixes[other] for name, other in columns.items()})
+
+
+WRONG = {
+    "as in km/h": lambda one: one.assign(**{name: 3.6 * one[name] for name in SPEEDS}),
+    "as in knots": lambda one: one.assign(**{name: one[name] / 0.514444 for name in SPEEDS}),
+    "as in cm/s": lambda one: one.assign(**{name: 100 * one[name] for name in SPEEDS}),
+    "as in radians": lambda one: one.assign(**{name: np.radians(one[name]) for name in ("latitude", "longitude")}),
+    "latitude and longitude in this order": lambda one: turned(one, latitude="longitude", longitude="latitude"),
+    "vel_n and vel_e in this order": lambda one: turned(one, vel_n="vel_e", vel_e="vel_n"),
+    "opposite to the displacements": lambda one: one.assign(vel_n=-one["vel_n"], vel_e=-one["vel_e"]),
+}
+
+
+@pytest.mark.parametrize(("message", "spoil"), WRONG.items(), ids=WRONG)
+def test_a_wrong_unit_or_order_is_named(sound, message, spoil):
+    with pytest.raises(ValueError, match=f"fixes: expected .*{message}|fixes: expected {message}"):
+        screen(spoil(sound), STD)
+
+
+def test_velocities_that_contradict_positions_are_left_out(sound):
+    rng = stream(SEED, "contradiction")
+    wrong = sound.assign(**{name: rng.normal(0, 10, len(sound)) for name in SPEEDS})
+    found, (correction,) = screen(wrong, STD)
+    assert correction.error == "velocities that contradict positions"
+    assert not set(SPEEDS) & set(found.columns)
