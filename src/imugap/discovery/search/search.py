@@ -412,31 +412,35 @@ class Search:
         found
             Fit to begin with.
         settled
-            Fit with fewer effects. What is worth as much as in it is not exchanged unless another effect is; None to
-            examine all.
+            Fit with fewer effects, which were examined; None to examine all. What was examined, there or before an
+            exchange, is examined again only if its gain has changed.
         hoped
             Kind of effects that come last: the exchange of the others may make them significant.
         """
+        examined = {} if settled is None else {key: one.trial.gain for key, one in self._by_kind(settled)}
         for _ in range(MAX_ADDITIONS):
-            added = self.added(found, _adjusted) if settled is None else self._touched(found, settled)
-            if hoped is not None:
-                added.sort(key=lambda candidate: isinstance(candidate.effect, hoped))
-            changed = next((other for one in added if (other := self._improvement(one)) is not None), None)
+            changed = self._exchanged(found, examined, hoped)
             if changed is None:
                 return found
-            found, settled = changed, None
+            found = changed
         return found
 
-    def _touched(self, found: AxisFit, settled: AxisFit) -> list["Candidate"]:
-        """Return the added effects of a fit that a smaller fit does not have, or whose gain differs from that in it."""
-        earlier = {key: one.trial.gain for key, one in self._by_kind(settled)}
+    def _exchanged(
+        self, found: AxisFit, examined: dict[tuple[type[Effect], int], float], hoped: type[Effect] | None
+    ) -> AxisFit | None:
+        """Return the fit with the first added effect removed or exchanged for which that is better; else None.
 
-        def touched(key: tuple[type[Effect], int], now: float) -> bool:
-            if key not in earlier:
-                return True
-            return abs(now - earlier[key]) > max(MIN_GAIN_CHANGE, MIN_RELATIVE_GAIN_CHANGE * abs(now))
-
-        return [one for key, one in self._by_kind(found) if touched(key, one.trial.gain)]
+        Effects in ``examined`` whose gain is as it was then are passed over; the others are added to it.
+        """
+        added = sorted(self._by_kind(found), key=lambda one: hoped is not None and isinstance(one[1].effect, hoped))
+        for key, one in added:
+            gain = one.trial.gain
+            if key in examined and not _touched(examined[key], gain):
+                continue
+            if (other := self._improvement(one)) is not None:
+                return other
+            examined[key] = gain
+        return None
 
     def _by_kind(self, found: AxisFit) -> Iterator[tuple[tuple[type[Effect], int], "Candidate"]]:
         """Yield the added effects of a fit, each with its kind and the number of those of its kind before it."""
@@ -616,6 +620,11 @@ def noise_shows_filter(filtered: Trial, log_alpha: float) -> bool:
     unfiltered = fit_noise(replace(fit.noise.noise, output_filter=None), bins, fit.power)
     gain = fit.noise.log_likelihood - unfiltered.log_likelihood
     return log_p_of_gain(gain, filtered.parameters) + np.log(filtered.trials) < log_alpha
+
+
+def _touched(earlier: float, now: float) -> bool:
+    """Return whether a gain differs from an earlier one so much that another effect may now be worth more."""
+    return abs(now - earlier) > max(MIN_GAIN_CHANGE, MIN_RELATIVE_GAIN_CHANGE * abs(now))
 
 
 def _another(one: Effect, other: Effect) -> bool:
