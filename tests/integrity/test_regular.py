@@ -317,3 +317,26 @@ def test_a_clock_set_back_by_an_hour_goes_on_and_that_is_said():
 def test_a_run_of_an_hour_behind_another_is_refused():
     with pytest.raises(LogError, match="another run begins there"):
         stamps(np.tile(np.arange(7200) / 2, 2))
+
+
+def test_a_clock_set_ahead_by_an_hour_at_a_whole_hour_goes_on_and_that_is_said():
+    begin = 1_774_746_000
+    time = begin - 30 + even(100.0)
+    found = stamps(time + 3600.0 * (time >= begin))
+    assert found.interval == pytest.approx(0.01, rel=1e-4)
+    assert found.count == COUNT
+    assert "set ahead at row 3000, by an hour (begin of daylight saving?)" in str(found.remarks[0])
+
+
+@pytest.mark.parametrize("begin", [-30.3, 100.0])
+def test_a_pause_of_an_hour_at_another_time_stays_a_pause(begin):
+    time = 1_774_746_000 + begin + even(50.0)
+    time[COUNT // 2 :] += 3600.0
+    assert stamps(time).count == COUNT + 180_000
+
+
+def test_a_gap_in_the_middle_longer_than_the_excerpt_is_no_error():
+    time = even(50.0)
+    time[COUNT // 2 :] += 3600.0
+    found = regular(table(time))
+    assert found.measured[AXES[0]].notna().sum() == COUNT

@@ -1,7 +1,8 @@
-"""Resets of the clock of a log: counters that wrap, clocks that are set back, runs that begin anew.
+"""Resets of the clock of a log: counters that wrap, clocks that are set back or ahead, runs that begin anew.
 
 Stamps are in seconds, in the order of the rows. A wrapped counter is unwrapped and a clock that was set back by less
-than :data:`SET_BACK_S`, or by an hour, is continued; another step back begins another run, which is refused.
+than :data:`SET_BACK_S`, or by an hour, is continued; another step back begins another run, which is refused. A clock
+that was set ahead at a whole hour, by an hour and no more than a sample, is continued; another step ahead is a pause.
 """
 
 from collections.abc import Callable
@@ -19,7 +20,7 @@ BITS = (16, 24, 32)
 CALENDAR = {3600.0: "a time of the hour", 86400.0: "a time of day", 604800.0: "a time of the GPS week"}
 """Periods of clocks that count from zero and begin anew [s]."""
 HOUR_S = 3600.0
-"""Time by which local clocks are set back at the end of daylight saving."""
+"""Time by which local clocks are set ahead and back at the begin and at the end of daylight saving."""
 NEAR = (0.2, 5.0)
 """Range of the step over a wrap, in median steps and in long ones."""
 WINDOW = 64
@@ -51,6 +52,12 @@ def continued(time: np.ndarray, place: Callable[[int], str] = row_number) -> Con
     ``place`` returns the location of a row in its file.
     """
     rows = np.flatnonzero(np.isfinite(time))
+    ahead = _set_ahead(time[rows])
+    if ahead is not None:
+        found = continued(_replaced(time, rows, time[rows] - HOUR_S * (np.arange(len(rows)) > ahead)), place)
+        at = place(int(rows[ahead + 1]))
+        remark = f"the clock was set ahead at {at}, by an hour (begin of daylight saving?): continued evenly"
+        return Continued(found.time, (remark, *found.remarks))
     finite = time[rows]
     steps = np.diff(finite)
     if not (steps < 0).any() or not (steps > 0).any():
@@ -86,6 +93,17 @@ def _wrap(time: np.ndarray, steps: np.ndarray) -> tuple[float, str] | None:
         if reach <= period < 2 * back.min() and over.min() > NEAR[0] * usual and over.max() < NEAR[1] * long:
             return period, name
     return None
+
+
+def _set_ahead(time: np.ndarray) -> int | None:
+    """Return the row, of stamps of shape (n,) [s], after which a local clock was set ahead at a whole hour; else None."""
+    steps = np.diff(time)
+    if len(steps) < WINDOW:
+        return None
+    usual = float(np.median(steps))
+    at = int(np.argmax(steps))
+    to_the_hour = -time[at] % HOUR_S
+    return at if abs(steps[at] - HOUR_S - usual) < usual and to_the_hour < SHIFTED * usual else None
 
 
 def _is_hour(shift: float, time: np.ndarray, at: int, usual: float) -> bool:

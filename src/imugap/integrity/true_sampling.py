@@ -83,8 +83,10 @@ def interpolated(values: np.ndarray) -> TrueSampling | None:
     The bends of such lines vary in size with the place between two true samples, so that their squares have a line at
     the true rate or its alias. Knots at that rate then explain the values exactly, more values than knots.
     """
-    finite = values[max(len(values) - EXCERPT, 0) // 2 :][:EXCERPT]
-    finite = finite[np.isfinite(finite)]
+    finite = values[np.isfinite(values)]
+    finite = finite[max(len(finite) - EXCERPT, 0) // 2 :][:EXCERPT]
+    if len(finite) < FEWEST:
+        return None
     finite = finite[np.r_[True, finite[1:] != finite[:-1]]]  # a stuck stretch is a straight line too
     if len(finite) < FEWEST:
         return None
