@@ -25,10 +25,21 @@ def write_page(exported, pdf, folder):
     copy(pdf, folder / paper.PDF)
 
 
+def write_pdf(source, product):
+    """Write a PDF with tags; without them where the compiler fails over the place of a float (its issue 8487)."""
+    try:
+        typst.compile(source, output=product, root="paper")
+    except typst.TypstError as error:
+        if "internal error" not in str(error):
+            raise
+        print(f"{product}: without tags for screen readers: {error}")
+        typst.compile(source, output=product, root="paper", pdf_tags=False)
+
+
 with job(snakemake) as (source, _, output):
     texts = {"paper": (source.main, output.pdf), "summary": (source.summary, output.summary)}
     for path, product in texts.values():
-        typst.compile(path, output=product, root="paper")
+        write_pdf(path, product)
     write_page(typst.compile(source.main, root="paper", format="html").decode(), output.pdf, Path(output.page))
     found = {name: statements.collect(path) for name, (path, _) in texts.items()}
     faults = [f"{name}: {fault}" for name, (_, some) in found.items() for fault in some]

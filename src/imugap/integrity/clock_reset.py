@@ -96,7 +96,7 @@ def _wrap(time: np.ndarray, steps: np.ndarray) -> tuple[float, str] | None:
 
 
 def _set_ahead(time: np.ndarray) -> int | None:
-    """Return the row, of stamps of shape (n,) [s], after which a local clock was set ahead at a whole hour; else None."""
+    """Return the row of stamps (n,) [s] after which a local clock was set ahead at a whole hour; else None."""
     steps = np.diff(time)
     if len(steps) < WINDOW:
         return None
