@@ -9,6 +9,7 @@ from imugap.effects.bias_instability import BiasInstability
 from imugap.effects.bias_step import BiasStep
 from imugap.effects.chirp import Chirp
 from imugap.effects.clock_scale import ClockScale
+from imugap.effects.comb import Comb
 from imugap.effects.common_mode import CommonMode
 from imugap.effects.dead_zone import DeadZone
 from imugap.effects.effect import AdditiveEffect, AllanEffect, ClockEffect, Conditions, Effect, Stage, StochasticEffect

@@ -331,6 +331,11 @@ class Effect:
         return iter(())
 
     @classmethod
+    def joining(cls, one: "Effect", other: "Effect", conditions: Conditions) -> Iterator[Start]:
+        """Yield where fits start of one effect of this kind that may stand for two effects; none by default."""
+        return iter(())
+
+    @classmethod
     def shown(cls, samples: WhiteSamples, density: float) -> Distribution | None:
         """Return white noise of this kind and a density if its law is that of samples, or None."""
         return None

@@ -2,7 +2,8 @@
 
 Every kind of the catalogue proposes itself (:meth:`imugap.effects.effect.Effect.starts`). Each proposal is fitted
 together with all effects of the description, and the one of the smallest p-value is added. After each
-addition every added effect is removed and exchanged for every other, so that an effect which only stands in for another
+addition two tones that one effect explains as well give way to it (:meth:`imugap.effects.effect.Effect.joining`), and
+every added effect is removed and exchanged for every other, so that an effect which only stands in for another
 does not stay.
 """
 
@@ -10,6 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 from scipy.special import gammaln
@@ -419,10 +421,24 @@ class Search:
         """
         examined = {} if settled is None else {key: one.trial.gain for key, one in self._by_kind(settled)}
         for _ in range(MAX_ADDITIONS):
+            found = self.joined(found)
             changed = self._exchanged(found, examined, hoped)
             if changed is None:
                 return found
             found = changed
+        return found
+
+    def joined(self, found: AxisFit) -> AxisFit:
+        """Return the fit with one effect in the place of two where what it cannot do is not significant."""
+        for pair in combinations(self.added(found, lambda effect: effect.tonal), 2):
+            one, other = (candidate.effect for candidate in pair)
+            rest = found.description.without([candidate.index for candidate in pair])
+            for kind in self.catalogue:
+                for start in kind.joining(one, other, found.sequence.conditions):
+                    after = self.fitted(found.sequence, rest.adding(entry_of(start)))
+                    freed = found.description.size() - after.description.size()
+                    if log_p_of_gain(found.log_likelihood - after.log_likelihood, freed) > self.log_alpha:
+                        return self.joined(after)
         return found
 
     def _exchanged(
