@@ -30,6 +30,7 @@ CONSEQUENCES: dict[Fault, tuple[str, ...]] = {
     Fault.LOST: (LESS, LESS, LESS, "filled", "filled"),
     Fault.HELD: (FINE, FINE, NEVER, FINE, FINE),
     Fault.INTERPOLATED: (LESS, LESS, NOTED, FINE, FINE),
+    Fault.LOUD: (FINE, FINE, FINE, FINE, FINE),
 }
 ROUNDED = ("rounded", "rounded", "an effect", FINE, FINE)
 """What rounding means: the noise and the mean of rounded values, an effect of its own, nothing to motion."""
@@ -48,6 +49,8 @@ GRAVITY_LEAST = 0.2
 """Norm of the specific force, in gravity, below which gravity is not in it."""
 COARSE = 2.0
 """Step of the lattice over the noise from which it says little of it."""
+SHIFTS = range(3, 17)
+"""Bits that the counts of an axis may lack."""
 LISTED = 3
 """Number of shocks that are listed."""
 
@@ -160,9 +163,18 @@ def _of_gravity(regular: Regular, motion: rest.Motion) -> Iterable[CheckedFault]
     """Yield that the specific force of a device at rest is not gravity."""
     if not set(ACCEL) <= set(regular.samples):
         return
-    norm = float(np.linalg.norm([np.nanmedian(regular.samples[name].values) for name in ACCEL]))
+    mean = {name: float(np.nanmedian(regular.samples[name].values)) for name in ACCEL}
+    norm = float(np.linalg.norm(list(mean.values())))
     if norm < GRAVITY_LEAST * STANDARD_GRAVITY:
-        text = f"the specific force, {norm:.3g} m/s^2, is without gravity: removed by the driver?"
+        shifted = [
+            f"or has {name} 1/{2**bits} of its scale?"
+            for name in ACCEL
+            for bits in SHIFTS
+            if abs(np.linalg.norm(list((mean | {name: mean[name] * 2**bits}).values())) / STANDARD_GRAVITY - 1)
+            < GRAVITY_TOLERANCE
+        ]
+        why = " ".join(["removed by the driver?", *shifted])
+        text = f"the specific force, {norm:.3g} m/s^2, is without gravity: {why}"
         step = "record the specific force with gravity"
         yield CheckedFault("no gravity", text, (FINE, FINE, FINE, NEVER, NEVER), step)
     elif motion.at_rest and abs(norm / STANDARD_GRAVITY - 1) > GRAVITY_TOLERANCE:

@@ -12,6 +12,7 @@ from imugap.estimation.gap_draws import with_gaps_drawn
 from imugap.estimation.indices import INDICES, ROUND_OFF, IndexSamples, of_samples, over_runs, shortest
 from imugap.estimation.screening import screen
 from imugap.io.recording import Recording
+from imugap.io.scales import require_same_scale
 from imugap.log import AXES
 from imugap.stream import stream
 from imugap.units import STANDARD_GRAVITY
@@ -48,7 +49,8 @@ def indices(runs: Iterable[Recording], period: float = 1.0, gravity: float = STA
     """
     ideal = pd.Series(0.0, index=list(AXES))
     ideal["accel_z"] = -gravity
-    parts, remarks = {}, []
+    parts, remarks, runs = {}, [], list(runs)
+    require_same_scale([one.source for one in runs], [one.table for one in runs])
     for number, one in enumerate(runs, start=1):
         parts[number], sentences = _of_run(one.require_gravity(), ideal, period)
         remarks += sentences

@@ -23,6 +23,7 @@ from imugap.interchange.start_models.catalogue import ModelFile
 from imugap.io import recording
 from imugap.io.recognition.frame import AS_IS
 from imugap.io.recording import DEFAULTS, Recording, RecordingSettings
+from imugap.io.scales import require_same_scale
 from imugap.log import LogError
 from imugap.model import ErrorModel
 from imugap.numerics.samples.change_period import change_period
@@ -169,6 +170,7 @@ def discover_recordings(
         _require_columns(table, one.source, list(first.columns))
         _require_values(table, one.source, first)
         _require_rate(table, one.source, first)
+    require_same_scale([one.source for one in (*inputs.logs, *inputs.tests)], [*logs, *tests])
     start = None if inputs.model is None else inputs.model.at(1 / _clock(inputs.logs[0].source, first).interval)
     if start is not None:
         _require_describable(start.model, inputs.model.path, first)

@@ -12,8 +12,10 @@ import numpy as np
 import pandas as pd
 from scipy.special import bdtrc
 
+from imugap.integrity import rest
 from imugap.integrity.clock_reset import row_number
 from imugap.integrity.row_clock import rate_change
+from imugap.integrity.scales import Scale, loud_axis
 from imugap.integrity.timestamps import Stamps, stamps
 from imugap.integrity.true_sampling import KNOTS, REPEATED, TrueSampling, held, interpolated
 from imugap.log import ACCEL, COLUMNS, GYRO, TIME, LogError, axes
@@ -50,6 +52,8 @@ class Fault(Enum):
     HELD = "repeated values"
     INTERPOLATED = "interpolated values"
     """Values between slower samples."""
+    LOUD = "an axis of another noise"
+    """Noise at rest that is far from that of both other axes of a sensor, as of another scale."""
 
 
 NEIGHBOURS = 1.5
@@ -173,6 +177,7 @@ def regular(table: pd.DataFrame, source: str = "log", place: Callable[[int], str
         *twice, *holes, *(Remark(Fault.DEAD, text) for text in unusable.values()),
         *(Remark(Fault.STREAMS, text) for text in apart if len(whole) > 1),
         *dict.fromkeys(remark for of in clocks for remark in _of_clock(of)), *slower,
+        *_of_noise(samples, log, clock.interval),
     )  # fmt: skip
     ordered = {name: samples[name] for name in names if name in samples}
     intervals = [of.interval for of in clocks]
@@ -380,6 +385,17 @@ def _true_samples(log: pd.DataFrame, interval: float) -> tuple[dict[str, AxisSam
             _slower(some, TrueSampling(rows, True), interval, "are interpolated") for rows, some in between.items()
         ]
     return found, remarks
+
+
+def _of_noise(samples: dict[str, AxisSamples], log: pd.DataFrame, interval: float) -> list[Remark]:
+    """Return the axis of each sensor whose noise, while the others are at rest, is that of another scale."""
+    remarks = []
+    for triad in (GYRO, ACCEL):
+        loud = loud_axis({axis: Scale.of(samples[axis].values) for axis in triad if axis in samples})
+        if loud is not None and rest.motion(log.drop(columns=loud.name, errors="ignore"), interval).at_rest:
+            text = f"{loud.name}: noise {loud.times} that of the two others; has it another scale? Then rescale it"
+            remarks.append(Remark(Fault.LOUD, text))
+    return remarks
 
 
 def _known(columns: np.ndarray) -> np.ndarray:

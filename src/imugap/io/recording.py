@@ -33,6 +33,7 @@ from imugap.io.recognition.column_names import SKIP, Assignment
 from imugap.io.recognition.conversion import Conversion, asked, conversion
 from imugap.io.recognition.settings import DEFAULTS, RecordingSettings
 from imugap.io.rows import advances, require_numbers, require_order, require_range, without_filler
+from imugap.io.scales import require_one_scale
 from imugap.io.split_stamps import with_stamps
 from imugap.log import AXES, TIME, LogError, check
 
@@ -153,6 +154,7 @@ def stream(path: str | Path, settings: RecordingSettings = DEFAULTS) -> tuple[Co
         excerpt = dict(zip(selection.assignment.columns, np.hstack([one for one, _ in stretches]), strict=True))
         raw = None if selection.stamp is None else np.concatenate([stamps for _, stamps in stretches])
         _require_clock(source, raw)
+        require_one_scale(excerpt)
         found = _conversion(selection, excerpt, raw, settings)
     except LogError as error:
         raise LogError(path, error.place, error.expected, error.found) from error
@@ -214,9 +216,10 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
     parts = [(block[:, rows], None if raw is None else raw[rows]) for rows in stretches_of(block.shape[1])]
     _require_one_device(source, parts, selection, settings)
     table = pd.DataFrame(block.T, columns=columns, copy=False)
+    excerpt = dict(zip(columns, samples.excerpt(list(block)).T, strict=True))
+    require_one_scale(excerpt)
     if source.canonical:
         return Recording(source.path, table.set_index(pd.Index(raw, name=TIME)), place=source.place)
-    excerpt = dict(zip(columns, samples.excerpt(list(block)).T, strict=True))
     found = _conversion(selection, excerpt, raw, settings)
     time = found.apply(dict(zip(columns, block, strict=True)), raw)
     said = (*found.recognised, *_left_out(selection), *_filled(filler, source))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from imugap.integrity.scales import Scale, loud_axis
 from imugap.io.recognition import samples
 from imugap.io.recognition.unit_text import COUNTS, INCREMENTS, QUANTITIES, quantity_of, unit_of
 from imugap.log import ACCEL, GYRO, LogError
@@ -117,6 +118,9 @@ def accel_unit(accel: np.ndarray, rate_hz: float, given: str | None, stated: str
     readings = [f"gravity in {' or in '.join(units)}"] if units else []
     if not units or (named is None and counted):
         readings.append(samples.counts_of(force) if whole else samples.other_reading(force, rate_hz))
+    loud = loud_axis({name: Scale.of(column) for name, column in zip(ACCEL, accel.T, strict=True)})
+    if loud is not None:
+        readings = [f"one of several scales: {loud.name} has {loud.times} the noise of the two others (rescale it)"]
     reading = ", or ".join(readings)
     name = named.name if named else "a unit"
     raise LogError(
