@@ -12,6 +12,7 @@ from imugap.effects.clock_scale import ClockScale
 from imugap.effects.comb import Comb
 from imugap.effects.common_mode import CommonMode
 from imugap.effects.dead_zone import DeadZone
+from imugap.effects.echo import Echo
 from imugap.effects.effect import AdditiveEffect, AllanEffect, ClockEffect, Conditions, Effect, Stage, StochasticEffect
 from imugap.effects.g_sensitivity import GSensitivity
 from imugap.effects.gauss_markov import GaussMarkov

@@ -2,12 +2,12 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import Field, dataclass, field, fields
+from dataclasses import Field, dataclass, field, fields, replace
 from enum import IntEnum
 from functools import partial
 from math import isfinite
 from numbers import Real
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 import pandas as pd
@@ -478,10 +478,21 @@ class EquivalentEffect(StochasticEffect):
 
 @dataclass(frozen=True)
 class FilterEffect(Effect):
-    """A filter of the output, with one ``cutoff`` [Hz]."""
+    """A filter of the output, of which a fit adjusts one parameter."""
 
     stage: ClassVar[Stage] = Stage.FILTER
     role: ClassVar[Role] = Role.FILTER
+    comb: ClassVar[bool] = False
+    """Whether its gain is a ripple of one shape; else filters of its kind represent all that are like them."""
+
+    @property
+    def adjusted(self) -> float:
+        """Value of the parameter that a fit adjusts."""
+        return getattr(self, *self.free())
+
+    def adjusted_to(self, value: float) -> Self:
+        """Return the filter with another value of the parameter that a fit adjusts."""
+        return replace(self, **dict.fromkeys(self.free(), value))
 
     def passed(self, values: np.ndarray, interval: float) -> np.ndarray:
         """Return samples behind the filter, shape (n,) or (n, m), as if the first had been there for ever."""
@@ -495,12 +506,19 @@ class FilterEffect(Effect):
         """Return the power gain at ``frequency`` [Hz], shape of it."""
         raise NotImplementedError
 
+    def mean_gain(self, frequency: np.ndarray, width: np.ndarray, interval: float) -> np.ndarray:
+        """Return the mean power gain over bands of a width [Hz] about ``frequency`` [Hz], shape of it.
+
+        It is the gain in the middle of each, where the gain changes little within.
+        """
+        return self.gain(frequency, interval)
+
     def response(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return the complex gain at ``frequency`` [Hz], shape of it."""
         raise NotImplementedError
 
     def highest(self, interval: float) -> float:
-        """Return the highest identifiable cutoff [Hz]."""
+        """Return the highest identifiable value of the parameter that a fit adjusts."""
         raise NotImplementedError
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:

@@ -67,6 +67,10 @@ class Residual(Protocol):
         """Frequencies [Hz], gain of log-likelihood of a sinusoid at each, and the level of the power around it."""
 
     @property
+    def ripples(self) -> tuple[np.ndarray, np.ndarray]:
+        """Size and gain of log-likelihood of an echo, to second order, by its delay of 1, 2, ... samples."""
+
+    @property
     def steps(self) -> StepGains:
         """Matched filters of a step of the mean."""
 

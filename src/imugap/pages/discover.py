@@ -33,7 +33,7 @@ FEW = 3
 FILTER_SIDE: Mapping[Role, str] = {
     Role.MEAN: "correct it before the filter, or give the filter a state for its size; it is no noise.",
     Role.NOISE: "it is process noise; white noise enters the density of the filter, slow noise a state of its own.",
-    Role.FILTER: "set the noise of the filter by the density below the cutoff, and take its delay off the stamps.",
+    Role.FILTER: "set the noise of the filter by the density at low frequencies, and take its delay off the stamps.",
     Role.OUTLIERS: "reject or weigh down single samples.",
     Role.VARIANCE: "let the noise of the filter follow it, or take the larger level.",
     Role.BIAS: "give the filter a bias state.",

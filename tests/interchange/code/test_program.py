@@ -19,6 +19,7 @@ from imugap.effects import (
     Comb,
     CommonMode,
     DeadZone,
+    Echo,
     GaussMarkov,
     GSensitivity,
     HeldSamples,
@@ -92,7 +93,7 @@ EVERY = ErrorModel(
         "accel_y": AxisModel((WarmUp(0.1, 2.0), Sinusoid(7.0, 0.1, 1.0), RateRamp(0.01), BiasStep(2.0, 0.3),
                               Chirp(3.0, 0.2, 0.1, 0.4), Comb(2.0, 0.1, 0.2, 0.4, phase_3=0.1, amplitude_3=0.3))),
         "accel_z": AxisModel((VibrationRectification(0.3, 0.1), OutputFilter(30.0, 3, 1), OutputFilter(35.0, 1, 3),
-                              HeldSamples(4.0, 2.0))),
+                              Echo(0.3, 7, 1), HeldSamples(4.0, 2.0))),
         log.TIME: AxisModel((ClockScale(1.0001), SampleLoss(0.01, 2.0), TimestampJitter(0.004))),
     }
 )  # fmt: skip
@@ -117,7 +118,7 @@ def test_the_header_equals_the_module_bit_by_bit(tmp_path):
         (Bias(0.3),), (BiasStep(1.234, -0.2),), (RateRamp(0.02),), (Sinusoid(12.3, 0.5, 0.7),), (WarmUp(0.3, 1.7),),
         (ScaleFactor(0.01, 0.02, 0.03),), (Temperature(0.01, 20.0, 0.02),), (Saturation(0.7),), (Resolution(0.01),),
         (OutputFilter(17.0, 1),), (OutputFilter(17.0, 4),), (OutputFilter(60.0, 2, 1),), (OutputFilter(3.0, 3, 1),),
-        (Bias(0.1), ScaleFactor(0.1), OutputFilter(9.0, 2), Saturation(0.9), Resolution(0.003)),
+        (Echo(0.4, 12),), (Bias(0.1), ScaleFactor(0.1), OutputFilter(9.0, 2), Saturation(0.9), Resolution(0.003)),
     ],
 )  # fmt: skip
 def test_effects_without_chance_equal_the_simulation_everywhere(effects):

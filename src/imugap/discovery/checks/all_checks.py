@@ -26,7 +26,7 @@ from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.whittle import log_likelihood
 from imugap.discovery.search.search import Candidate, Search, coloured, stepping
 from imugap.discovery.unnamed.wandering_lines import Band
-from imugap.effects.effect import Role
+from imugap.effects.effect import Effect, Role
 
 MAX_POWER_SHARE = 0.5
 """Maximum share of misfitting noise in the power at the frequency of a line or filter that keeps its name."""
@@ -233,19 +233,19 @@ def _certain_beside_power_law(candidate: Candidate, other: AxisFit) -> bool:
 
 
 def ambiguous_spectrum(added: Sequence[Candidate], found: Found) -> dict[Candidate, Misfit]:
-    """Return the lines and the filter at frequencies where misfitting noise is most of the power."""
+    """Return the lines and the filter at frequencies, for a comb all, where misfitting noise is most of the power."""
     ambiguous = [one for one in found if one.role is Role.NOISE]
     if not ambiguous:
         return {}
     share = sum(power_share(one.fit, one.effect) for one in ambiguous)
-    frequency, worst = ambiguous[0].fit.sequence.bins.frequency, _worst(found, ambiguous)
-    return {
-        one: worst
-        for one in added
-        if one not in found
-        and one.effect.centre is not None
-        and np.interp(one.effect.centre, frequency, share) > MAX_POWER_SHARE
-    }
+    bins, worst = ambiguous[0].fit.sequence.bins, _worst(found, ambiguous)
+
+    def hidden(effect: Effect) -> bool:
+        if effect.centre is None:
+            return effect.role is Role.FILTER and np.average(share, weights=bins.number) > MAX_POWER_SHARE
+        return np.interp(effect.centre, bins.frequency, share) > MAX_POWER_SHARE
+
+    return {one: worst for one in added if one not in found and hidden(one.effect)}
 
 
 def _gain_below(candidate: Candidate, frequency: float) -> float:

@@ -25,6 +25,7 @@ POWER_LAW_AS_WELL = "a power law explains it as well"
 SLOPE_REASONS = (SLOPE, POWER_LAW, POWER_LAW_AS_WELL)
 """Reasons after which slow noise is still one process, of a slope without a name."""
 SAMPLES_DISAGREE = "its samples and its spectrum disagree"
+SHAPE = "its spectrum has another shape"
 NEIGHBOURHOOD = "the spectrum around it is farther off"
 BURST_REASONS = (SAMPLES_DISAGREE, BURSTS, UNEVEN)
 """Reasons after which slow noise is intermittent, and may change the variance."""
@@ -42,6 +43,8 @@ START_SLOPES = 1.5, 2.5, 3.5
 """Start values of the slope of a power law: the first in place of noise, all in place of terms and noise."""
 NEIGHBOURHOOD_RATIO = 10.0
 """Ratio to the frequencies of an effect within which the spectrum is its neighbourhood."""
+MAX_RIPPLE_SHARE = 0.1
+"""Maximum log p-value of a ripple that is left, over that of a comb."""
 BANDS = 24
 TOLERATED_DEVIATION = 0.05
 """Tolerated relative deviation of the power in a band, as real spectra have it."""
@@ -57,7 +60,7 @@ def noise_misfit(candidate: Candidate) -> Misfit:
     near = _neighbourhood_log_p(fit, mine)
     misfits = [
         Misfit(SLOPE, slope),
-        Misfit("its spectrum has another shape", band_log_p(fit, mine)),
+        Misfit(SHAPE, band_log_p(fit, mine)),
         Misfit(NEIGHBOURHOOD, log_p_against(candidate.trial.log_p, near, search.log_alpha)),
     ]
     if effect.two_valued:
@@ -72,12 +75,22 @@ def noise_misfit(candidate: Candidate) -> Misfit:
 def filter_misfit(candidate: Candidate) -> Misfit:
     """Test whether the filter is more significant than the deviation of the spectrum that remains where it acts.
 
-    Its shape is not tested: the filters of the catalogue represent all low-pass filters.
+    Its shape is tested where it is a comb: other filters of the catalogue represent all low-pass filters.
     """
-    bins = candidate.fit.sequence.bins
-    acts = np.flatnonzero(candidate.effect.gain(bins.frequency, bins.interval) < 1 - MIN_SHARE)
-    near = _neighbourhood_log_p(candidate.fit, acts)
-    return Misfit(NEIGHBOURHOOD, log_p_against(candidate.trial.log_p, near, candidate.search.log_alpha))
+    fit, bins = candidate.fit, candidate.fit.sequence.bins
+    acts = np.flatnonzero(np.abs(candidate.effect.gain(bins.frequency, bins.interval) - 1) > MIN_SHARE)
+    named, log_alpha = candidate.trial.log_p, candidate.search.log_alpha
+    near = Misfit(NEIGHBOURHOOD, log_p_against(named, _neighbourhood_log_p(fit, acts), log_alpha))
+    if not candidate.effect.comb:
+        return near
+    left = log_p_against(MAX_RIPPLE_SHARE * named, _ripple_log_p(fit), log_alpha)
+    return min(near, Misfit(SHAPE, min(left, band_log_p(fit, acts))), key=lambda misfit: misfit.log_p)
+
+
+def _ripple_log_p(fit: AxisFit) -> float:
+    """Return the log p-value of the highest ripple in the spectrum of the residual (Bonferroni)."""
+    _, gains = fit.ripples
+    return min(log_p_of_gain(float(gains.max()), 1) + float(np.log(len(gains))), 0.0)
 
 
 def _two_valued_misfits(candidate: Candidate) -> list[Misfit]:

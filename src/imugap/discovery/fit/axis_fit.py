@@ -65,8 +65,7 @@ class AxisFit:
     @property
     def variance(self) -> np.ndarray:
         """Return the variance of each cosine coefficient k = 1..n-1."""
-        bins = self.sequence.bins
-        return bins.spread(self.description.noise.variance(bins))
+        return self.description.noise.spread(self.sequence.bins)
 
     @cached_property
     def scatter(self) -> "Scatter":
@@ -186,6 +185,11 @@ class AxisFit:
         return scans.lines(self.whitened, self.sequence.conditions.interval)
 
     @cached_property
+    def ripples(self) -> tuple[np.ndarray, np.ndarray]:
+        """Size and gain of log-likelihood of an echo, to second order, by its delay of 1, 2, ... samples."""
+        return scans.ripples(self.coefficients[: self.sequence.bins.last], len(self.coefficients) + 1)
+
+    @cached_property
     def steps(self) -> scans.StepFilters:
         """Gain of log-likelihood of a step of the mean at each sample, before the output filter."""
         return self.steps_beside(np.empty((len(self.coefficients), 0)))
@@ -197,10 +201,9 @@ class AxisFit:
         return scans.steps(even[:, 0], self.scatter.root**2 / self._gain, even[:, 1:])
 
     @property
-    def _gain(self) -> np.ndarray | float:
-        """Return the gain of power of the filter of the output at each cosine coefficient k = 1..n-1, or 1."""
-        output_filter, bins = self.description.noise.output_filter, self.sequence.bins
-        return 1.0 if output_filter is None else bins.spread(output_filter.gain(bins.frequency, bins.interval))
+    def _gain(self) -> np.ndarray:
+        """Return the gain of power of the filter of the output at each cosine coefficient k = 1..n-1."""
+        return self.description.noise.gain(self.sequence.bins)
 
     def _unturned(self, coefficients: np.ndarray) -> np.ndarray:
         """Return cosine coefficients, shape (n - 1, m), without the phase of the output filter."""
@@ -337,7 +340,7 @@ class Scatter:
     def of(cls, sequence: AxisSequence, description: Description) -> "Scatter":
         """Return that of a description's noise and filter."""
         bins, noise = sequence.bins, description.noise
-        root = np.sqrt(bins.spread(noise.variance(bins)))
+        root = np.sqrt(noise.spread(bins))
         root[bins.last :] = np.inf
         return cls(sequence, root, Outside.of(noise, len(sequence.values), sequence.conditions.interval, root))
 
@@ -457,7 +460,7 @@ def _cut_off_anew(found: AxisFit) -> AxisFit:
 def _cut_off(description: Description, step: float, interval: float) -> Description:
     """Return a description with the cutoff of its filter moved by a step of its logarithm, as far as a fit can tell."""
     one = description.noise.output_filter
-    moved = replace(one, cutoff=min(one.cutoff * float(np.exp(step)), one.highest(interval)))
+    moved = one.adjusted_to(min(one.adjusted * float(np.exp(step)), one.highest(interval)))
     return description.with_noise(replace(description.noise, output_filter=moved))
 
 

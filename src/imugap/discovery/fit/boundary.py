@@ -7,7 +7,7 @@ nothing is known.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -100,7 +100,7 @@ def _of_ends(count: int) -> np.ndarray:
 
 def _decay(output_filter: FilterEffect, count: int, interval: float) -> tuple[np.ndarray, np.ndarray]:
     """Return how a filter lets go of what was before the log, and how else it would do so by a lower cutoff."""
-    lower = replace(output_filter, cutoff=output_filter.cutoff * (1 - CUTOFF_LOG_STD))
+    lower = output_filter.adjusted_to(output_filter.adjusted * (1 - CUTOFF_LOG_STD))
     decay = output_filter.decay(count, interval)
     return decay, lower.decay(count, interval) - decay
 

@@ -23,6 +23,9 @@ SWING_BLOCKS, MAX_SWING_FREQUENCY = 4096, 0.125
 """Blocks in which a swing of the variance is looked for, and the highest frequency, over the rate of the blocks."""
 MIN_SWING_CYCLES, MAX_SWING_DEPTH = 0.5, 8.0
 """Least cycles of such a swing in the log, and its largest depth: of less the depth is not told from the mean."""
+MAX_DELAY, MAX_LINE_POWER = 64, 9.0
+"""Longest delay of an echo [samples], and the largest power of a coefficient by which it is searched, because of lines.
+"""
 STRETCH_BLOCKS = 400
 """Blocks of the search for stretches of another variance."""
 
@@ -98,6 +101,24 @@ def _matched(coefficients: np.ndarray, variance: np.ndarray) -> np.ndarray:
     """Return the products of coefficients with those of a unit step at each sample, shape (n,)."""
     weighted = idct(np.r_[0.0, coefficients / np.sqrt(variance)], norm="ortho")
     return np.r_[0.0, -np.cumsum(weighted)[:-1]]
+
+
+def ripples(coefficients: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return size and gain of log-likelihood of an echo, to second order, by its delay of 1, 2, ... samples.
+
+    The score of the size is the sum of (c^2 - 1) cos(pi k delay/n) over the cosine coefficients c that are used.
+
+    Parameters
+    ----------
+    coefficients
+        Whitened cosine coefficients k = 1, 2, ... that are used.
+    count
+        Number n of samples.
+    """
+    power = np.minimum(coefficients**2, MAX_LINE_POWER)
+    excess = power - power.mean()
+    scores = rfft(np.r_[0.0, excess], 2 * count).real[1 : MAX_DELAY + 1]
+    return scores / len(excess), scores**2 / np.sum(excess**2)
 
 
 def lines(whitened: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

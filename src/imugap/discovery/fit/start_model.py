@@ -8,7 +8,7 @@ import numpy as np
 from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import Effect, Role, Stage, StochasticEffect, SystematicEffect
+from imugap.effects.effect import Effect, FilterEffect, Role, Stage, StochasticEffect, SystematicEffect
 from imugap.model import white_noise
 
 MAX_CUTOFF_SHARE = 0.98
@@ -55,8 +55,9 @@ def _shows(effect: Effect, conditions: Conditions) -> bool:
     return True
 
 
-def _seen(effect: Effect, sequence: AxisSequence) -> Effect:
-    return replace(effect, cutoff=min(effect.cutoff, MAX_CUTOFF_SHARE * effect.highest(sequence.conditions.interval)))
+def _seen(effect: FilterEffect, sequence: AxisSequence) -> Effect:
+    highest = effect.highest(sequence.conditions.interval)
+    return effect.adjusted_to(min(effect.adjusted, MAX_CUTOFF_SHARE * highest))
 
 
 def _white(sequence: AxisSequence) -> StochasticEffect:

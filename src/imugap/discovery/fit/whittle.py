@@ -58,7 +58,24 @@ class Noise:
     def passed(self, bins: Bins) -> np.ndarray:
         """Return that variance ahead of the rounding, shape (bins,): S/interval, filtered."""
         total = sum(effect.sampled_psd(bins.frequency, bins.interval) for effect in self.effects) / bins.interval
-        return total if self.output_filter is None else total * self.output_filter.gain(bins.frequency, bins.interval)
+        if self.output_filter is None:
+            return total
+        return total * self.output_filter.mean_gain(bins.frequency, bins.width, bins.interval)
+
+    def gain(self, bins: Bins) -> np.ndarray:
+        """Return the power gain of the filter at each cosine coefficient k = 1..n-1; no mean over bins for a comb."""
+        passes = self.output_filter
+        if passes is None:
+            return np.ones(bins.count - 1)
+        if passes.comb:
+            return passes.gain(np.arange(1, bins.count) / (2 * bins.count * bins.interval), bins.interval)
+        return bins.spread(passes.gain(bins.frequency, bins.interval))
+
+    def spread(self, bins: Bins) -> np.ndarray:
+        """Return the variance of each cosine coefficient k = 1..n-1."""
+        if self.output_filter is None or not self.output_filter.comb:
+            return bins.spread(self.variance(bins))
+        return bins.spread(Noise(self.effects).variance(bins)) * self.gain(bins) + bins.rounding
 
     def share(self, index: int, bins: Bins) -> np.ndarray:
         """Return the share of one process in the variance ahead of the rounding, shape (bins,)."""
@@ -70,7 +87,8 @@ class Noise:
         Above the cutoff a spectrum says little of what the filter lets through, and is not asked beyond its first bins.
         """
         filtered = self.output_filter
-        below = np.sum(bins.frequency < (np.inf if filtered is None else filtered.cutoff))
+        cutoff = None if filtered is None else filtered.centre
+        below = np.sum(bins.frequency < (np.inf if cutoff is None else cutoff))
         asked = np.arange(min(max(below, MEDIAN_BINS), len(bins.frequency)))
         groups = np.array_split(asked, max(len(asked) // MEDIAN_BINS, 1))
         level = power / bins.number
@@ -270,11 +288,11 @@ class NoiseSpectra:
                 ends.append(process.shape(moved, self.bins))
             slopes[place] = factor * (ends[1] - ends[0]) / (2 * DIFFERENCE_STEP)
 
-    def _filter(self, log_cutoff: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return gain of the filter and the derivative of its logarithm in the log cutoff."""
+    def _filter(self, log_value: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return gain of the filter and the derivative of its logarithm in the log of what a fit adjusts."""
         gains = [
-            replace(self.noise.output_filter, cutoff=float(np.exp(log_cutoff + side))).gain(
-                self.bins.frequency, self.bins.interval
+            self.noise.output_filter.adjusted_to(float(np.exp(log_value + side))).mean_gain(
+                self.bins.frequency, self.bins.width, self.bins.interval
             )
             for side in (-DIFFERENCE_STEP, 0.0, DIFFERENCE_STEP)
         ]
@@ -290,10 +308,10 @@ def limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.
     level, duration = power / bins.number, bins.count * bins.interval
     for i, name in noise.parameters():
         effect, (least, most) = effects[i], effects[i].limits()[name]
-        if effect.role is Role.FILTER:
-            spans.append((1e-3 / bins.interval, effect.highest(bins.interval)))
-        elif isfinite(most):
+        if isfinite(most):
             spans.append((least * (1 + 2 * DIFFERENCE_STEP), most * (1 - 2 * DIFFERENCE_STEP)))
+        elif effect.role is Role.FILTER:
+            spans.append((1e-3 / bins.interval, effect.highest(bins.interval)))
         elif name == effect.size():
             ratio = level / (effect.sampled_psd(bins.frequency, bins.interval) / bins.interval)
             value = getattr(effect, name)

@@ -150,7 +150,7 @@ def _bands(fit: AxisFit) -> tuple[tuple[BandNoise, ...], float]:
     last = bins.last
     relative = fit.coefficients[:last] ** 2
     expected = fit.variance[:last] * interval
-    gain = _gain(fit)[:last]
+    gain = fit.description.noise.gain(fit.sequence.bins)[:last]
     found = [(first, stop) for first, stop in segments(relative, MOST_BANDS) if gain[first:stop].mean() > MIN_GAIN]
     excess = np.array([_excess(relative[a:b], expected[a:b], gain[a:b]) for a, b in found])
     white = sum(one.density**2 for one in fit.description.noise.effects if one.white)
@@ -165,14 +165,6 @@ def _band(first: int, stop: int, psd: float, bins: Bins) -> BandNoise:
     low = (first + 0.5) * step if first else 0.0
     high = (stop + 0.5) * step if stop < bins.last else 0.5 / bins.interval
     return BandNoise(float(np.sqrt(psd)), float(low + high) / 2, float(high - low))
-
-
-def _gain(fit: AxisFit) -> np.ndarray:
-    """Return the power gain of the output filter at each cosine coefficient."""
-    bins, passed = fit.sequence.bins, fit.description.noise.output_filter
-    if passed is None:
-        return np.ones(bins.count - 1)
-    return bins.spread(passed.gain(bins.frequency, bins.interval))
 
 
 def _excess(relative: np.ndarray, expected: np.ndarray, gain: np.ndarray) -> float:

@@ -87,6 +87,11 @@ class Bins:
         first = self.edges + 1
         return (first + (self.number - 1) / 2) / (2 * self.count * self.interval)
 
+    @cached_property
+    def width(self) -> np.ndarray:
+        """Return the width of each bin [Hz]."""
+        return self.number / (2 * self.count * self.interval)
+
     def sums(self, values: np.ndarray) -> np.ndarray:
         """Return the sums over bins of ``values``, shape (n - 1,)."""
         return np.add.reduceat(values[: self.last], self.edges)

@@ -290,6 +290,8 @@ class Search:
         """Yield the filters of all shapes, the noise behind each fitted from that behind the one of its form before."""
         noise = None
         for start in kind.starts(before):
+            if not may_reach(start, bar):
+                continue
             if whole is not None and not self._may_reach_behind(start, before, whole, bar):
                 continue
             alike = noise is not None and noise.output_filter.form == start.effect.form
@@ -614,12 +616,12 @@ def behind_filter(start: Start, before: AxisFit, near: Noise | None = None) -> t
     sequence = before.sequence
     if near is None:
         begun = [
-            replace(before.description.noise, output_filter=replace(start.effect, cutoff=factor * start.effect.cutoff))
+            replace(before.description.noise, output_filter=start.effect.adjusted_to(factor * start.effect.adjusted))
             for factor in CUTOFF_FACTORS
         ]
     else:
-        cutoff = min(near.output_filter.cutoff, start.effect.highest(sequence.conditions.interval))
-        begun = [replace(near, output_filter=replace(start.effect, cutoff=cutoff))]
+        value = min(near.output_filter.adjusted, start.effect.highest(sequence.conditions.interval))
+        begun = [replace(near, output_filter=start.effect.adjusted_to(value))]
     fits = []
     for noise in begun:
         power = before.power_behind(noise.output_filter)
