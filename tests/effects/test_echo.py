@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 from tests.chance import mean_is
-from tests.discovery.simulated import KNOWN, behind, names, result_of, sequence
+from tests.discovery.simulated import KINDS, KNOWN, behind, names, result_of, sequence
 from tests.effects.simulated import RUNS, conditions, draws, tapered_power
 
 from imugap.discovery.fit.axis_fit import fit
@@ -82,6 +82,15 @@ def test_nothing_else_is_called_an_echo(hidden):
 @pytest.mark.parametrize("hidden", [OutputFilter(4.0, 2), OutputFilter(10.0, 1), OutputFilter(8.0, 1, 1)])
 def test_a_low_pass_filter_is_none(hidden):
     assert names(result_of(behind(sequence(), hidden))) == ["output_filter"]
+
+
+@pytest.mark.parametrize(
+    ("effect", "label"), [(Echo(0.4, 12), 1), (Echo(0.4, 12), 2), (Echo(0.4, 12), 3), (Echo(0.15, 5, 1), 4)]
+)
+def test_an_echo_that_is_not_of_the_catalogue_has_no_name(effect, label):
+    others = [kind for kind in KINDS if kind is not Echo]
+    data = sequence(count=8000, label=f"echo {label}")
+    assert names(result_of(behind(data, effect), *others)) == []
 
 
 @pytest.mark.each

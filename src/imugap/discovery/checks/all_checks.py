@@ -8,16 +8,18 @@ import numpy as np
 
 from imugap.discovery.checks.hysteresis import HYSTERESIS, may_be_hysteresis, terms_against_hysteresis
 from imugap.discovery.checks.mean import mean_misfit
-from imugap.discovery.checks.misfit import MAX_LOG_P, Misfit
+from imugap.discovery.checks.misfit import MAX_LOG_P, Misfit, log_p_against
 from imugap.discovery.checks.motion import all_against_motion
 from imugap.discovery.checks.outliers import outliers_misfit
 from imugap.discovery.checks.spectrum import (
     BURST_REASONS,
+    NEIGHBOURHOOD,
     filter_misfit,
     noise_misfit,
     power_law_advantage,
     power_share,
     replaced_by_power_law,
+    ripple_log_p,
 )
 from imugap.discovery.checks.transient import transient_misfits
 from imugap.discovery.checks.transition import transition_misfits
@@ -66,7 +68,7 @@ def misfits(search: Search, fit: AxisFit) -> dict[Candidate, Misfit]:
         return from_motion
     found = {one: misfit for one in added if (misfit := _misfit(one)) is not None} | _too_many(added)
     found |= _means_from_hysteresis(search, fit, added) | steps_as_jump_process(added) | transient_misfits(added)
-    found |= transition_misfits(added) | terms_as_power_law(added)
+    found |= transition_misfits(added) | terms_as_power_law(added) | tones_beside_ripple(added)
     found |= ambiguous_variance(added, found)
     found |= _dependent_on_outliers(found) | _ambiguous_slow_noise(added, found)
     found |= ambiguous_terms(added, found) | ambiguous_spectrum(added, found)
@@ -136,6 +138,14 @@ def terms_as_power_law(added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
     both = [*terms, *(one for one in added if one.effect.slow)]
     more = power_law_advantage(both) if len(terms) >= MIN_TERMS else 0.0
     return dict.fromkeys(both, Misfit("one power law explains all of it better", -np.inf)) if more > 0 else {}
+
+
+def tones_beside_ripple(added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
+    """Return the tones that are less significant than a ripple of the spectrum that is left: they may be its crests."""
+    tones = [one for one in added if one.effect.tonal]
+    left = ripple_log_p(tones[0].fit) if tones else 0.0
+    against = (log_p_against(one.trial.log_p, left, one.search.log_alpha) for one in tones)
+    return {one: Misfit(NEIGHBOURHOOD, log_p) for one, log_p in zip(tones, against, strict=True) if log_p < MAX_LOG_P}
 
 
 def ambiguous_variance(added: Sequence[Candidate], found: Found) -> dict[Candidate, Misfit]:

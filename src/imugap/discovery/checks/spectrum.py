@@ -83,11 +83,11 @@ def filter_misfit(candidate: Candidate) -> Misfit:
     near = Misfit(NEIGHBOURHOOD, log_p_against(named, _neighbourhood_log_p(fit, acts), log_alpha))
     if not candidate.effect.comb:
         return near
-    left = log_p_against(MAX_RIPPLE_SHARE * named, _ripple_log_p(fit), log_alpha)
+    left = log_p_against(MAX_RIPPLE_SHARE * named, ripple_log_p(fit), log_alpha)
     return min(near, Misfit(SHAPE, min(left, band_log_p(fit, acts))), key=lambda misfit: misfit.log_p)
 
 
-def _ripple_log_p(fit: AxisFit) -> float:
+def ripple_log_p(fit: AxisFit) -> float:
     """Return the log p-value of the highest ripple in the spectrum of the residual (Bonferroni)."""
     _, gains = fit.ripples
     return min(log_p_of_gain(float(gains.max()), 1) + float(np.log(len(gains))), 0.0)
