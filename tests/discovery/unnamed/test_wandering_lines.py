@@ -77,3 +77,14 @@ def test_a_wandering_line_is_not_named():
     result = result_of(sequence(line=4e-3), Sinusoid, GaussMarkov, OutputFilter)
     assert result.findings == ()
     assert len(result.bands) == 1
+
+
+@pytest.mark.parametrize("jumps", [(400.0,), (200.0, 450.0, 700.0)])
+def test_a_line_that_jumps_between_two_frequencies_has_no_name(jumps):
+    data = sequence(label="jumping")
+    frequency = np.where(np.searchsorted(jumps, data.conditions.time) % 2, 4.0, 3.0)
+    line = 2e-3 * np.cos(2 * np.pi * INTERVAL * np.cumsum(frequency))
+    result = result_of(simulated.moved(data, line))
+    assert names(result) == []
+    places = sorted((band.low, band.high) for band in result.bands)
+    assert all(low < at < high for at, (low, high) in zip((3.0, 4.0), places, strict=True))
