@@ -1,7 +1,7 @@
 """Likelihood gain of a periodic mean of any shape: a fundamental and its harmonics.
 
-No effect of the catalogue is periodic but a sinusoid. A sawtooth or a relaxation oscillation imitates telegraph or slow
-noise; its harmonics, which share one frequency, distinguish it.
+The catalogue has a sinusoid and a comb of few harmonics. A sawtooth or a relaxation oscillation imitates telegraph or
+slow noise; its harmonics, which share one frequency, distinguish it.
 """
 
 import numpy as np
