@@ -23,7 +23,7 @@ class Echo(FilterEffect):
     """
 
     name: ClassVar[str] = "echo"
-    comb: ClassVar[bool] = True
+    rippled: ClassVar[bool] = True
     size: float = parameter("1", "a, size of the copy over that of the signal", low=TINY, high=1.0)
     delay: float = parameter("1", "d, delay in samples", low=1.0, whole=True)
     inverted: float = parameter("1", "1 for a copy that is subtracted", high=1.0, whole=True, default=0)

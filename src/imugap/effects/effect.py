@@ -482,7 +482,7 @@ class FilterEffect(Effect):
 
     stage: ClassVar[Stage] = Stage.FILTER
     role: ClassVar[Role] = Role.FILTER
-    comb: ClassVar[bool] = False
+    rippled: ClassVar[bool] = False
     """Whether its gain is a ripple of one shape; else filters of its kind represent all that are like them."""
 
     @property

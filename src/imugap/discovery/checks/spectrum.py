@@ -81,7 +81,7 @@ def filter_misfit(candidate: Candidate) -> Misfit:
     acts = np.flatnonzero(np.abs(candidate.effect.gain(bins.frequency, bins.interval) - 1) > MIN_SHARE)
     named, log_alpha = candidate.trial.log_p, candidate.search.log_alpha
     near = Misfit(NEIGHBOURHOOD, log_p_against(named, _neighbourhood_log_p(fit, acts), log_alpha))
-    if not candidate.effect.comb:
+    if not candidate.effect.rippled:
         return near
     left = log_p_against(MAX_RIPPLE_SHARE * named, ripple_log_p(fit), log_alpha)
     return min(near, Misfit(SHAPE, min(left, band_log_p(fit, acts))), key=lambda misfit: misfit.log_p)

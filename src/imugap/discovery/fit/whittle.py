@@ -67,13 +67,13 @@ class Noise:
         passes = self.output_filter
         if passes is None:
             return np.ones(bins.count - 1)
-        if passes.comb:
+        if passes.rippled:
             return passes.gain(np.arange(1, bins.count) / (2 * bins.count * bins.interval), bins.interval)
         return bins.spread(passes.gain(bins.frequency, bins.interval))
 
     def spread(self, bins: Bins) -> np.ndarray:
         """Return the variance of each cosine coefficient k = 1..n-1."""
-        if self.output_filter is None or not self.output_filter.comb:
+        if self.output_filter is None or not self.output_filter.rippled:
             return bins.spread(self.variance(bins))
         return bins.spread(Noise(self.effects).variance(bins)) * self.gain(bins) + bins.rounding
 
