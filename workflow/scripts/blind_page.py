@@ -168,12 +168,13 @@ def named_shares(effects, smallest):
     }
 
 
-def numbers(scores, beside, misses, seconds, clear_size):
+def numbers(scores, table, beside, misses, seconds, clear_size):
     """Return what the text says."""
     cases = scores.cases
     alarm = blind.false_alarms(cases).set_index("alarm").loc["name"]
     closed = blind.floor_reached(scores, clear_size).fillna({"rate": 0.0}).set_index(["distance", "scope"])
     far, drift = closed.loc[("distance", blind.BEYOND)], closed.loc["navigation_distance"].T
+    every = table[table["title"] == BESIDE["every"]]
     of_one = blind.single_cases(scores, clear_size)
     beyond = of_one[of_one["distance_before"] > of_one["distance_floor_high"]]
     factors = beyond["distance_before"] / beyond["distance_after"]
@@ -181,6 +182,7 @@ def numbers(scores, beside, misses, seconds, clear_size):
         "cases": len(cases),
         "kinds": by_kind(cases),
         "wrong": by_kind(misses.drop_duplicates("case")),
+        "not_hidden": round((every["count"] * every["rate"]).item()),
         "motion": int(cases["motion"].sum()),
         "clear": f"{clear_size:g}",
         "false_names": f"{100 * alarm['rate']:.1f}",
@@ -229,5 +231,5 @@ with job(snakemake) as (source, params, output):
         calibration=(calibration, calibration_page(calibration)),
         beside=(beside, beside_page(beside)),
         peer=(peer, peer_page(peer)),
-        numbers=numbers(scores, beside, misses, seconds, clear) | record,
+        numbers=numbers(scores, table, beside, misses, seconds, clear) | record,
     )

@@ -13,6 +13,8 @@ from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 
+TAIL = 5.0
+"""Error with bad fixes over that with good ones, above which a draw is counted."""
 SHOWN = (*SCHEMES, SMOOTHED, WHEELS[WHOLE], WHEELS[SMOOTHED])
 
 
@@ -68,6 +70,10 @@ def numbers(outages, scores, tuning):
         },
         "steadier": {"alone": int((moved["gate"] < moved["none"]).sum()),
                      "beside": int((moved["gated"] < moved["robust"]).sum())},
+        "tail": {"factor": f"{TAIL:g}"} | {
+            kind: int((scores["contaminated"] > TAIL * scores["clean"])[scores["scheme"] == name].sum())
+            for kind, name in (("separation", WHOLE), ("wheels", WHEELS[WHOLE]))
+        },
     }  # fmt: skip
 
 

@@ -166,6 +166,10 @@ def numbers(scores, recovery, recipe, seed, runs):
             key: {name: claim(scores, *pair, name) for name in ("gyro", "accel")} for key, pair in pairs.items()
         },
         "nees": {name: tables.number(clean["nees"].mean()[name]) for name in (PLAIN, WHEELS[PLAIN])},
+        "nees_bad": {
+            name: tables.number(scores[(scores["case"] == CONTAMINATED) & (scores["scheme"] == name)]["nees"].mean())
+            for name in (PLAIN, "reset", WHOLE)
+        },
         "reset_s": f"{SCHEMES['reset'].reset_s:g}",
         "limit_m": tables.number(recovery["limit"].iloc[0]),
         "separation_s": f"{SCHEMES['separation'].separation_s:g}",

@@ -77,9 +77,10 @@ def placed(table):
     return table[names.groupby([table["case"], table["question"]]).transform("any")]
 
 
-def numbers(table, losses):
-    """Return what the text says."""
+def numbers(table, losses, tried):
+    """Return what the text says; ``tried`` are the largest sizes [limits] of each effect."""
     sets, found = ambiguity_sets(table), losses[np.isfinite(losses["loss"])]
+    largest, far = found.loc[found["loss"].idxmax()], losses[losses["loss"] > MAX_LOSS].sort_values("loss")
     seen = ambiguity_sets(placed(table))
     held, held_seen = rate(sets["holds"]), rate(seen["holds"])
     low, high = calibration_interval(table)
@@ -104,9 +105,11 @@ def numbers(table, losses):
         "singles": int(losses["count"].sum()),
         "effects": len(losses),
         "median_loss": tables.number(float(losses["loss"].median()), 2),
-        "largest_loss": tables.number(float(found["loss"].max()), 2),
-        "largest_name": title_of(str(found.loc[found["loss"].idxmax(), "name"])),
-        "beyond": int((losses["loss"] > MAX_LOSS).sum()),
+        "largest_loss": tables.number(float(largest["loss"]), 2),
+        "largest_name": title_of(str(largest["name"])),
+        "largest_tried": bool(largest["half"] <= tried[largest["name"]]),
+        "beyond": len(far),
+        "beyond_names": [title_of(name) for name in far["name"]],
         "choices": CHOICES,
         "bound": f"{bonferroni_half_size(CHOICES):.2f}",
     }
@@ -124,5 +127,5 @@ with job(snakemake) as (source, _, output):
         curves_figure=drawn.losses(curve, losses, CHOICES),
         reliability=(bins, reliability_page(bins)),
         losses=(losses, loss_page(losses)),
-        numbers=numbers(table, losses) | record,
+        numbers=numbers(table, losses, curves.groupby("name")["size"].max()) | record,
     )
