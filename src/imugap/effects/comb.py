@@ -22,9 +22,10 @@ NEAR = 1.0
 
 @dataclass(frozen=True)
 class Comb(SystematicEffect):
-    """Sum of amplitude_k cos(2 pi k (f t + c t^2/2) + phase_k), as a rotor or an interfering clock makes it.
+    """Sum of amplitude_k cos(2 pi k (f t + c t^2/2) + phase_k), as a rotor makes it whose speed drifts.
 
-    No fit starts with it: it takes the place of the lines and chirps of which it is made.
+    No fit starts with it: it takes the place of the lines and chirps of which it is made. Discovery names it where its
+    frequency changes: a steady one is a wave of any shape and cause.
     """
 
     name: ClassVar[str] = "comb"
@@ -65,6 +66,11 @@ class Comb(SystematicEffect):
         angle = self.turned(conditions.time)
         waves = (size * np.cos(k * angle + self.phase(k)) for k, size in self.amplitudes.items())
         return sum(waves, np.zeros(len(conditions)))
+
+    @property
+    def periodic(self) -> bool:
+        """Return whether its frequency is steady."""
+        return not self.chirp_rate
 
     def start(self) -> Start:
         """Return it as a start, free but for the harmonics that it has not, and for a rate of zero."""

@@ -288,6 +288,11 @@ class Effect:
         """Return what becomes of ``sequence``, shape (n,): the error up to this stage, or the output."""
         raise NotImplementedError
 
+    @property
+    def periodic(self) -> bool:
+        """Return whether it repeats one wave of a free shape, which may have many causes; False by default."""
+        return False
+
     def simpler(self, time: float) -> Start | None:
         """Return the effect that it is where its essential parameters are zero, most alike at a time [s], or None."""
         return None

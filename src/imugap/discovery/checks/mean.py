@@ -29,7 +29,7 @@ def mean_misfit(candidate: Candidate) -> Misfit | None:
         return unresolved
     if _is_drift(candidate):
         return Misfit(f"it has fewer than {MIN_PERIODS} periods, as a drift of any shape may have", -np.inf)
-    if _has_harmonic(fit, index):
+    if candidate.effect.periodic or _has_harmonic(fit, index):
         return Misfit("lines at its multiples make it a wave of another shape", -np.inf)
     if _has_close_line(fit, index) or _has_sidebands(fit, index):
         return Misfit("lines beside it make it one that swells or drifts", -np.inf)
