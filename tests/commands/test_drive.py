@@ -79,7 +79,11 @@ def test_the_folder_is_whole_and_says_where_the_vehicle_was(here, lap, capsys, s
     given = [(one["role"], one["path"]) for one in strict_json.load("found/inputs.json")]
     assert given == [("log", samples), ("fixes", fixes), *([("configuration", config[1])] if config else [])]
     found = strict_json.load("found/summary.json")
-    assert json.loads(capsys.readouterr().out) == found
+    out = capsys.readouterr().out
+    assert out.startswith(f"{found['verdict']}\n\n")
+    assert f"set aside {found['set_aside']}" in out
+    assert out.endswith("More: found/report.html\n")
+    assert len(out.splitlines()) < 15
     assert found["outages"] == 1
     assert found["longest_outage_s"] == pytest.approx(22.0)
     assert found["distance_m"] == pytest.approx(2830, rel=0.02)
@@ -101,6 +105,11 @@ def test_the_folder_is_whole_and_says_where_the_vehicle_was(here, lap, capsys, s
     assert found["set_aside"] >= 1
     page = Path("found/report.html").read_text()
     assert f"s long. It starts {found['start_s']:.3g} s into the log" in page
+
+
+def test_all_facts_are_printed_as_json(here, capsys):
+    assert cli.main(["drive", "imu.csv", "gnss.csv", "--as-given", "--json", "--out", "found"]) == 0
+    assert json.loads(capsys.readouterr().out) == strict_json.load("found/summary.json")
 
 
 @pytest.mark.slow

@@ -19,6 +19,7 @@ from imugap.log import GYRO
 from imugap.navigation.walk.pedestrian import WalkAssumptions
 from imugap.simulation.walk import Walk, WalkCourse
 from imugap.stream import stream
+from imugap.workflow.tables import measured
 
 ROOT = Path(__file__).parents[2]
 SEED = 31
@@ -57,11 +58,14 @@ def test_the_folder_is_whole_and_says_how_far_the_walk_went_and_where_it_ended(h
     ]
     assert [one["sha256"] for one in given] == [sha256(Path(one["path"]).read_bytes()).hexdigest() for one in given]
     found = strict_json.load("found/summary.json")
-    assert json.loads(capsys.readouterr().out) == found
+    out = capsys.readouterr().out
+    assert out.startswith(f"The walk went {found['distance_m']:.2f} m in {found['strides']} strides")
+    assert out.endswith("More: found/report.html\n")
+    assert len(out.splitlines()) < 15
     lengths = pd.read_csv("found/strides.csv")["length"]
     page = Path("found/report.html").read_text()
     assert f"Median stride: {lengths.median():.3g} m in " in page
-    assert f"± {found['end_horizontal_m' + STD]:.2g} m from where it began" in page
+    assert f"± {measured(found['end_horizontal_m'], found['end_horizontal_m' + STD])[1]} m from where it began" in page
     assert found["strides"] == STRIDES
     assert found["duration_s"] == pytest.approx(recipe.duration_s, abs=0.01)
     assert abs(found["distance_m"] - STRIDES * recipe.gait.length_m) < 3 * found["distance_m_std"] < 1.0
@@ -99,6 +103,12 @@ def test_a_walk_that_begins_in_motion_is_navigated_where_its_heading_is_free(her
     assert abs(found[1]["distance_m"] - found[0]["distance_m"]) < 1.5
     for name in ("distance_m", "end_heading_deg", "end_vertical_m"):
         assert found[1][name + STD] > found[0][name + STD]
+
+
+def test_all_facts_are_printed_as_json(here, recipe, capsys):
+    gravity = str(recipe.site.gravity)
+    assert cli.main(["walk", "walk.csv", "--gravity", gravity, "--json", "--out", "found"]) == 0
+    assert json.loads(capsys.readouterr().out) == strict_json.load("found/summary.json")
 
 
 def test_outdoors_nothing_is_taken_for_level(here, recipe):

@@ -158,3 +158,12 @@ def test_a_dot_in_the_stem_stays(tmp_path):
     data = pd.DataFrame({"x": [1]})
     tables.write(tmp_path / "index_0.5s", data, data)
     assert (tmp_path / "index_0.5s.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "shown"),
+    [(-0.00054259, 0.016, ("-0.001", "0.016")), (26.9604, 0.5, ("26.96", "0.50")), (123.4, 57.0, ("123", "57")),
+     (-1e-9, 0.016, ("0.000", "0.016")), (28.995, 0.0, ("28.995", "–"))],
+)  # fmt: skip
+def test_a_value_has_the_digits_of_its_deviation(value, std, shown):
+    assert tables.measured(value, std) == shown

@@ -17,6 +17,7 @@ from imugap.model import ErrorModel
 from imugap.navigation.walk import pedestrian
 from imugap.navigation.walk.pedestrian import DOWN, AlignedWalk, WalkAssumptions, WalkSolution
 from imugap.navigation.walk.walk_physics import check_walk
+from imugap.workflow.tables import measured
 
 STD = "_std"
 """Suffix of the name of a standard deviation."""
@@ -85,13 +86,13 @@ class NavigatedWalk:
     def verdict(self) -> str:
         """Return in words how far the walk went, and where it ended."""
         one = self.summary()
-        off, std = one["end_horizontal_m"], one["end_horizontal_m" + STD]
-        share = f" ({off / one['distance_m']:.2%} of the distance)" if one["distance_m"] > 0 else ""
+        names = ("end_horizontal_m", "end_vertical_m", "end_heading_deg")
+        away, height, turn = (" ± ".join(measured(one[name], one[name + STD])) for name in names)
+        share = f" ({one['end_horizontal_m'] / one['distance_m']:.2%} of the distance)" if one["distance_m"] > 0 else ""
         return (
             f"The walk went {one['distance_m']:.2f} m in {one['strides']} strides and {one['duration_s']:.1f} s.\n"
-            f"It ended {off:.2f} ± {std:.2g} m from where it began{share}, "
-            f"{one['end_vertical_m']:+z.2f} ± {one['end_vertical_m' + STD]:.2g} m in height, and turned by "
-            f"{one['end_heading_deg']:z.1f} ± {one['end_heading_deg' + STD]:.2g}° (± one standard deviation)."
+            f"It ended {away} m from where it began{share}, {height} m in height, and turned by {turn}° (± one "
+            "standard deviation)."
         )
 
     def strides(self) -> pd.DataFrame:

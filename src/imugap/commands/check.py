@@ -1,7 +1,6 @@
 """Command ``check``: print a verdict on each recording, its findings with their consequences, and its axes."""
 
 import argparse
-import json
 from textwrap import wrap
 
 import pandas as pd
@@ -9,7 +8,7 @@ import pandas as pd
 from imugap.analysis.check import COMMANDS, RecordingCheck
 from imugap.api.checks import Checked, check
 from imugap.commands.arguments import add_examples
-from imugap.commands.outputs import FOLDER_HELP, require_folder
+from imugap.commands.outputs import FOLDER_HELP, add_json, json_text, require_folder
 from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
 from imugap.log import LogError
 
@@ -33,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "consequences, and a table of the axes."
     )
     parser.add_argument("log", nargs="+", help=LOG_HELP)
-    parser.add_argument("--json", action="store_true", help="print all facts as JSON")
+    add_json(parser)
     parser.add_argument("--out", help=FOLDER_HELP.format("facts"))
     add_reading(parser)
 
@@ -55,7 +54,7 @@ def run(options: argparse.Namespace) -> None:
         if not options.json:
             print(shown(*sound[-1].checks))
     if options.json:
-        print(json.dumps(facts, indent=1, allow_nan=False))
+        print(json_text(facts))
     if folder is not None and sound:
         Checked.together(sound).made_by(options.command_line).report(folder)
     if failed is not None:

@@ -1,18 +1,19 @@
-"""Command ``drive``: navigate a drive by device and receiver, write a folder, and print the summary."""
+"""Command ``drive``: navigate a drive by device and receiver, write a folder, and print the verdict."""
 
 import argparse
-import json
 import sys
 from dataclasses import replace
 
 from imugap.analysis.drive import DriveSettings
 from imugap.api.drives import drive
 from imugap.commands.arguments import add_effects, add_examples
-from imugap.commands.outputs import FOLDER_HELP, add_format, require_folder
+from imugap.commands.outputs import FOLDER_HELP, add_format, add_json, json_text, require_folder
 from imugap.commands.reading import LOG_HELP, add_reading, read, say, settings_of
+from imugap.commands.shown import summary_text
 from imugap.io.fixes import reading as fixes
 from imugap.io.fixes.receiver_settings import ReceiverSettings
 from imugap.io.recognition.frame import AS_IS
+from imugap.pages.drive import consistency, events, extent
 
 FILES = (
     "report.html", "solution.parquet", "smoothed.parquet", "events.csv", "summary.json", "inputs.json", "path.geojson",
@@ -29,9 +30,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Navigate a drive. The axes of the device are x forward, z down, or turned as --config says. The fixes have "
         "latitude and longitude in degrees, the height in metres above the ellipsoid and, if known, vel_n vel_e vel_d "
-        "[m/s] and standard deviations sd_n sd_e sd_d [m], sd_vel_n sd_vel_e sd_vel_d [m/s]. What device and fixes "
-        "contradict each other in (a time offset, a lever arm, held fixes, the noise of the receiver ...) is named on "
-        "the standard error, with the setting that corrects it, and corrected."
+        "[m/s] and standard deviations sd_n sd_e sd_d [m], sd_vel_n sd_vel_e sd_vel_d [m/s]. The first line says "
+        "whether device and fixes agree. What they contradict each other in (a time offset, a lever arm, held fixes, "
+        "the noise of the receiver ...) is named there, with the setting that corrects it, and corrected."
     )
     parser.add_argument("log", help=f"{LOG_HELP}; six axes")
     parser.add_argument(
@@ -45,6 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--strict", action="store_true", help=f"exit with code {DISAGREES} where they do not agree")
     contents = "solution, events, summary, figures, and the path for maps"
     parser.add_argument("--out", required=True, help=FOLDER_HELP.format(contents))
+    add_json(parser)
     add_format(parser)
     add_reading(parser)
     parser.add_argument("--fixes-topic", help="topic of a bag, or message of a log, with the fixes")
@@ -62,8 +64,11 @@ def run(options: argparse.Namespace) -> int:
     receiver = fixes.read(options.fixes, ReceiverSettings(options.fixes_topic, options.fixes_angles))
     say(options.fixes, receiver.recognised)
     found = drive(log, receiver, config=options.config, effects=options.effects, as_given=options.as_given)
-    found.made_by(options.command_line).report(folder, options.format)
-    if not found.agrees:
+    report = found.made_by(options.command_line).report(folder, options.format)
+    summary = found.summary
+    if options.json and not found.agrees:
         print(f"imugap: {options.log}, {options.fixes}: {found.verdict}", file=sys.stderr)
-    print(json.dumps(found.summary, indent=1))
+    happened = ", ".join(" ".join(row) for row in events(summary)) or "none"
+    rows = (*extent(summary), ("NIS", consistency(summary)), ("events at fixes", happened))
+    print(json_text(summary) if options.json else summary_text(found.verdict, rows, report))
     return DISAGREES if options.strict and not found.agrees else 0

@@ -1,6 +1,7 @@
 """Outputs of a command, checked before the work."""
 
 import argparse
+import json
 import os
 import shutil
 import sys
@@ -24,6 +25,16 @@ def add_format(parser: argparse.ArgumentParser) -> None:
         "--format", type=_formats, default=("svg",), metavar="FORMATS",
         help=f"formats of the figures, separated by commas, among {', '.join(METADATA)} (default svg)",
     )  # fmt: skip
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """Add ``--json``: all facts in place of the verdict and a short table."""
+    parser.add_argument("--json", action="store_true", help="print all facts as JSON")
+
+
+def json_text(facts: object) -> str:
+    """Return facts as JSON without NaN or infinity."""
+    return json.dumps(facts, indent=1, allow_nan=False)
 
 
 def format_of(path: str | Path) -> str:

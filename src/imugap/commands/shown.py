@@ -1,7 +1,8 @@
 """Numbers and tables as commands print them: four significant digits, units in the habit of data sheets."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import isfinite
+from pathlib import Path
 
 from imugap.units import from_si
 
@@ -38,3 +39,8 @@ def table_text(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     widths = [max(map(len, column)) for column in zip(titles, *rows, strict=True)]
     padded = ([cell.ljust(width) for cell, width in zip(row, widths, strict=True)] for row in (titles, *rows))
     return "\n".join("  ".join(row).rstrip() for row in padded)
+
+
+def summary_text(verdict: str, rows: Iterable[tuple[str, str]], report: Path) -> str:
+    """Return a verdict, a table of what and value, and where the page is."""
+    return "\n".join([verdict, "", table_text(("", "value"), list(rows)), "", f"More: {report}"])

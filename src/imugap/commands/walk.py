@@ -1,13 +1,14 @@
-"""Command ``walk``: navigate a walk with the device on a foot, write a folder, and print the summary."""
+"""Command ``walk``: navigate a walk with the device on a foot, write a folder, and print the verdict."""
 
 import argparse
-import json
 from math import inf
 
 from imugap.api.walks import walk
 from imugap.commands.arguments import add_effects, add_examples, add_gravity, positive
-from imugap.commands.outputs import FOLDER_HELP, add_format, require_folder
+from imugap.commands.outputs import FOLDER_HELP, add_format, add_json, json_text, require_folder
 from imugap.commands.reading import LOG_HELP, MODEL_HELP, add_reading, read, say, settings_of
+from imugap.commands.shown import summary_text
+from imugap.pages.walk import extent
 
 FILES = ("report.html", "solution.parquet", "strides.csv", "summary.json", "inputs.json", "plan.svg", "height.svg")
 """Files of the folder."""
@@ -34,12 +35,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="accept a log that begins in motion; heading zero is that of the foot at the first sample",
     )  # fmt: skip
     parser.add_argument("--out", required=True, help=FOLDER_HELP.format("solution, summary and figures"))
+    add_json(parser)
     add_format(parser)
     add_reading(parser)
 
 
 def run(options: argparse.Namespace) -> None:
-    """Navigate the walk, write the folder ``--out``, and print the summary."""
+    """Navigate the walk, write the folder ``--out``, and print verdict and summary."""
     folder = require_folder(options.out, FILES, (options.log, options.model))
     found = walk(
         read(options.log, settings_of(options)), model=options.model, effects=options.effects,
@@ -47,5 +49,6 @@ def run(options: argparse.Namespace) -> None:
         heading_free=options.heading_free,
     )  # fmt: skip
     say(options.model, found.recognised("model"))
-    found.made_by(options.command_line).report(folder, options.format)
-    print(json.dumps(found.summary, indent=1))
+    report = found.made_by(options.command_line).report(folder, options.format)
+    rows = ((title, value if std == "–" else f"{value} ± {std}") for title, value, std in extent(found.summary))
+    print(json_text(found.summary) if options.json else summary_text(found.verdict, rows, report))

@@ -1,10 +1,13 @@
 """Page of a drive: whether device and fixes agree, the path from above, sensor errors, and quality of the fixes."""
 
+from collections.abc import Mapping
+
 from imugap.analysis.drive import COUNTED, NavigatedDrive
 from imugap.figures import drive
 from imugap.figures.style import CARD
 from imugap.log import AXES
 from imugap.pages.page import DataTable, Gallery, Page, Part, Picture, Points, Text
+from imugap.workflow.tables import number
 
 OVER_TIME = {
     "speed": "Speed of the vehicle, and the standard deviation of the horizontal velocity.",
@@ -26,25 +29,44 @@ def page(found: NavigatedDrive) -> Page:
     """Compose the page of a drive."""
     summary, verdict = found.summary(), found.verdict
     corrected = tuple(f"{one.found}: {one.setting}." for one in verdict.corrections)
-    band = f"{summary['nis_low']:.3g} to {summary['nis_high']:.3g}"
-    nis = f"NIS {summary['nis']:.3g}; 95 % of consistent filters lie in {band}."
-    extent = tuple((title, f"{summary[key]:.5g}") for key, title in EXTENT.items())
-    events = tuple((name, str(summary[name.replace(" ", "_")])) for name in COUNTED)
+    counts = DataTable("Events.", ("event", "number"), events(summary))
     return Page(
         "Where did the vehicle go, and do device and receiver agree?",
         (str(verdict), _extent(found, summary)),
         verdict.agrees,
         (
             Part("What to write into the configuration", (Text(CORRECTIONS), Points(corrected)) if corrected else ()),
-            Part("Path", (Gallery((_track(found),)), Text(MAPS), DataTable("Extent.", ("", "value"), extent))),
+            Part("Path", (Gallery((_track(found),)), Text(MAPS), DataTable("Extent.", ("", "value"), extent(summary)))),
             Part("Over time", (_over_time(found),)),
             Part("Errors of the sensors", (Text(ERRORS), _sensors(found), _settings(summary), Text(GIVEN))),
             Part(
                 "Quality of the fixes",
-                (Text(CONSISTENCY), Points((nis,)), _quality(found), DataTable("Events.", ("event", "fixes"), events)),
+                (
+                    Text(CONSISTENCY),
+                    Points((f"NIS {consistency(summary)}.",)),
+                    _quality(found),
+                    counts if counts.rows else Text("Every fix was taken as it is."),
+                ),
             ),
         ),
     )
+
+
+def extent(summary: Mapping) -> tuple[tuple[str, str], ...]:
+    """Return title and value of each number of the extent."""
+    return tuple((title, f"{summary[key]:.4g}") for key, title in EXTENT.items())
+
+
+def events(summary: Mapping) -> tuple[tuple[str, str], ...]:
+    """Return name and number of the events of the quality control that happened."""
+    counts = {name: summary[name.replace(" ", "_")] for name in COUNTED}
+    return tuple((name, str(count)) for name, count in counts.items() if count)
+
+
+def consistency(summary: Mapping) -> str:
+    """Return the NIS and what is usual."""
+    nis, low, high = (number(summary[name]) for name in ("nis", "nis_low", "nis_high"))
+    return f"{nis}; 95 % of consistent filters lie in {low} to {high}"
 
 
 CORRECTIONS = "Each contradiction of device and fixes was corrected; with the setting beside it, it does not arise."
@@ -75,8 +97,8 @@ def _extent(found: NavigatedDrive, summary: dict) -> str:
 def _track(found: NavigatedDrive) -> Picture:
     figure = drive.track(found.filtered, found.smoothed, found.fixes, CARD)
     sentence = (
-        "The drive from above. The filter knows the past only, the smoother all fixes; crosses are fixes that did not "
-        "fit."
+        "The drive from above. The filter knows the past only, the smoother all fixes; crosses are fixes that were not "
+        "taken as they are."
     )
     return Picture(figure, sentence, "Path of the vehicle from above, east over north, with the fixes")
 
@@ -116,7 +138,7 @@ def _settings(summary: dict) -> DataTable:
 
 def _quality(found: NavigatedDrive) -> Gallery:
     sentence = (
-        "Global test of each fix. Above the dotted line, one in "
-        "many fixes of a good receiver is expected; the fix is then weighed down, removed or set aside."
+        "Global test of each fix. It fails above the dotted line, as one in many fixes of a good receiver does. "
+        "Single components are weighed down or removed by a test of their own; quality.svg beside this page has it."
     )
     return Gallery((Picture(drive.global_test(found.filtered), sentence, "Statistic of the global test over time"),))

@@ -1,9 +1,12 @@
 """Page of a walk: where it went and ended, strides, and the path from above."""
 
+from collections.abc import Mapping
+
 from imugap.analysis.walk import STD, NavigatedWalk
 from imugap.figures import walk
 from imugap.figures.style import CARD
 from imugap.pages.page import DataTable, Fold, Gallery, Page, Part, Picture, Text
+from imugap.workflow.tables import measured
 
 TITLES = {
     "distance_m": "distance [m]",
@@ -33,12 +36,12 @@ BETWEEN = "Strides between the middles of stances; the first and the last hold h
 def page(found: NavigatedWalk) -> Page:
     """Compose the page of a walk."""
     summary, strides = found.summary(), found.strides()
-    extent = tuple((title, f"{summary[key]:.5g}", _sigma(summary[key + STD])) for key, title in TITLES.items())
     numbers = ([f"{row[name]:.4g}" for name in COLUMNS] for row in strides.to_dict("records"))
     rows = tuple((str(ordinal), *row) for ordinal, row in enumerate(numbers, start=1))
     begin_end = Picture(
         walk.plan(found.smoothed, CARD),
-        f"The walk from above, with the places of the stances; the ellipse holds the end with {walk.LEVEL:.0%}.",
+        "The walk from above, with the places of the stances. The cross is the end; an ellipse around it, where it is "
+        f"large enough to be seen, holds it with {walk.LEVEL:.0%}.",
         f"Path from above: {found.verdict()}",
     )
     over_time = [
@@ -53,13 +56,16 @@ def page(found: NavigatedWalk) -> Page:
         tuple(found.verdict().splitlines()),
         True,
         (
-            Part("Path", (Gallery((begin_end,)), DataTable("Extent.", ("", "value", "σ"), extent), Text(ACCURACY))),
+            Part(
+                "Path",
+                (Gallery((begin_end,)), DataTable("Extent.", ("", "value", "σ"), extent(summary)), Text(ACCURACY)),
+            ),
             Part("Over time", (Gallery(tuple(over_time)),)),
             Part("Strides", (Text(usual), Fold(f"All {len(rows)} strides", (table,))) if rows else ()),
         ),
     )
 
 
-def _sigma(std: float) -> str:
-    """Return a standard deviation, a dash for a number without one."""
-    return f"{std:.2g}" if std > 0 else "–"
+def extent(summary: Mapping[str, float]) -> tuple[tuple[str, str, str], ...]:
+    """Return title, value and standard deviation of each number of the extent."""
+    return tuple((title, *measured(summary[key], summary[key + STD])) for key, title in TITLES.items())

@@ -28,6 +28,10 @@ TEX |= {
 }
 TEX |= {"√": r"$\surd$", "³": r"$^3$", "Δ": r"$\Delta$", "₀": r"$_0$"}
 UNITS = {"sqrt(h)": "√h", "sqrt(Hz)": "√Hz", "ug": "µg", "deg": "°", "^2": "²", "^3": "³"}
+DIGITS = 12
+"""Most significant digits of a value with an interval."""
+DECIMALS = 6
+"""Most decimals of a value with a standard deviation."""
 SHOWN = re.compile("|".join(map(re.escape, UNITS)))
 ESCAPED = {character: "\\" + character for character in "%_&#${}"}
 ESCAPED |= {"\\": r"\textbackslash{}", "^": r"\^{}", "~": r"\~{}"}
@@ -66,6 +70,24 @@ def number(value: float, digits: int = 3) -> str:
 def fixed(value: float, decimals: int) -> str:
     """Return ``value`` rounded to ``decimals`` places, which may be negative."""
     return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
+
+
+def measured(value: float, std: float) -> tuple[str, str]:
+    """Return a value and its standard deviation, both to two digits of the latter; a dash for one that is exact."""
+    if not (isfinite(std) and std > 0):
+        return f"{value:.5g}", "–"
+    decimals = min(max(1 - floor(log10(float(f"{std:.1e}"))), 0), DECIMALS)
+    return fixed(value, decimals), fixed(std, decimals)
+
+
+def with_interval(value: float, low: float, high: float) -> tuple[str, str]:
+    """Return a value, and its interval in words, with the digits that two digits of the half width need."""
+    digits = 3
+    if isfinite(low) and isfinite(high) and high > low:
+        largest = max(abs(low), abs(high))
+        digits = min(max(floor(log10(largest)) - floor(log10((high - low) / 2)) + 2, 3), DIGITS)
+    value, low, high = (number(one, digits) for one in (value, low, high))
+    return value, f"{low} to {high}"
 
 
 def interval(value: float, low: float, high: float) -> str:

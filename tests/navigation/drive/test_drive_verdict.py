@@ -148,7 +148,7 @@ def test_strict_ends_with_a_code_of_its_own(level, tmp_path, capsys):
     fixes.assign(**places).to_csv(tmp_path / "gnss.csv")
     line = ["drive", f"{tmp_path}/imu.csv", f"{tmp_path}/gnss.csv", "--strict", "--out", f"{tmp_path}/found"]
     assert cli.main(line) == DISAGREES
-    assert "time_offset: {offset_s: -0." in capsys.readouterr().err
+    assert "time_offset: {offset_s: -0." in capsys.readouterr().out
 
 
 @pytest.mark.slow
