@@ -7,14 +7,38 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from imugap.figures.style import WIDTH, NotebookFigure, card, decades, label_lowest, legend_below, panels_of, time_axis
-from imugap.filters.innovation_gate import ACCEPTED, InnovationRecord
+from imugap.figures.style import (
+    WIDTH,
+    NotebookFigure,
+    card,
+    decades,
+    few_ticks,
+    label_lowest,
+    legend_below,
+    panels_of,
+    time_axis,
+)
+from imugap.filters.innovation_gate import (
+    ACCEPTED,
+    EXCLUDED,
+    FAILED,
+    REMOVED,
+    RESET,
+    SET_ASIDE,
+    WEIGHED,
+    InnovationRecord,
+)
 from imugap.io import gnss
 from imugap.log import AXES
 from imugap.navigation.drive.vehicle import DriveSolution
 
-FILTER, SMOOTHER, FIX, WEIGHED, REMOVED = "#0072B2", "#009E73", "#999999", "#E69F00", "#D55E00"
-OFFSET = "#CC79A7"
+FILTER, SMOOTHER, FIX = "#0072B2", "#009E73", "#999999"
+COLOURS = {WEIGHED: "#E69F00", REMOVED: "#D55E00", FAILED: "#D55E00", SET_ASIDE: "#CC79A7", RESET: "black"}
+"""Colours of the events of the quality control, by their names."""
+TAKEN, SHIFTED = "taken as it is", "with an offset"
+"""Names of fixes without an event, and of those whose place has an offset of its own."""
+PLACE = 3
+"""Components of a place, the first ones of a fix."""
 LINEAR = 5.0
 """Innovations, in their standard deviations, up to which an axis is linear."""
 POINTS = 4000
@@ -35,18 +59,17 @@ def track(filtered: DriveSolution, smoothed: DriveSolution, fixes: pd.DataFrame,
     seen, record = gnss.local(fixes, filtered.ellipsoid), filtered.record
     panel.plot(seen[:, 1], seen[:, 0], ".", color=FIX, ms=2.5, label="fixes", zorder=1)
     offered = np.searchsorted(fixes.index, filtered.fix_time)
-    share = np.nanmin(record.share, axis=1, initial=1.0)
-    for rows, colour, label in (
-        ((share < 1) & (share > 0), WEIGHED, "weighed down"), (share == 0, REMOVED, "a component removed"),
-    ):  # fmt: skip
+    share, aside = np.nanmin(record.share, axis=1, initial=1.0), record.position_use == EXCLUDED
+    for label, rows in _used(share, aside).items():
         if rows.any():
-            panel.plot(*seen[offered[rows]][:, [1, 0]].T, "x", color=colour, ms=4, label=label, zorder=2)
+            panel.plot(*seen[offered[rows]][:, [1, 0]].T, "x", color=COLOURS[label], ms=4, label=label, zorder=2)
     for one, colour, label in ((filtered, FILTER, "filter"), (smoothed, SMOOTHER, "smoother")):
         path = one.history.navigation[:: _every(one), :2]
         panel.plot(path[:, 1], path[:, 0], color=colour, lw=0.8, label=label, zorder=3)
     begin = filtered.history.navigation[0]
     panel.plot(begin[1], begin[0], "o", color="black", ms=4, label="begin", zorder=4)
     panel.set(xlabel="east [m]", ylabel="north [m]", aspect="equal")
+    few_ticks(panel)
     panel.set_adjustable("datalim")
     legend_below(figure, 3 if width < WIDTH else 6)
     return figure
@@ -156,27 +179,41 @@ def global_test(solution: DriveSolution) -> Figure:
 def _global_test(panel: Axes, solution: DriveSolution) -> None:
     record, limits = solution.record, solution.quality.limits(len(gnss.COMPONENTS))
     time = solution.fix_time - _clock(solution)[0]
-    panel.plot(time, record.statistic, ".", color=FILTER, ms=2.5, label="taken as it is")
+    aside = record.position_use == EXCLUDED
+    shifted = (record.position_use != ACCEPTED) & ~aside
     panel.plot(time, limits[record.freedom], color="black", lw=0.6, ls=":")
-    panel.plot(time[record.reset], record.statistic[record.reset], "v", color="black", ms=5, label="soft reset")
-    doubted = record.position_use != ACCEPTED
-    panel.plot(time[doubted], record.statistic[doubted], ".", color=OFFSET, ms=4, label="place not trusted")
+    for rows, colour, look, label in (
+        (record.passed & ~aside & ~shifted, FILTER, ".", "global test passed"),
+        (~record.passed, COLOURS[FAILED], "x", FAILED), (aside, COLOURS[SET_ASIDE], "o", SET_ASIDE),
+        (shifted, SMOOTHER, ".", SHIFTED), (record.reset, COLOURS[RESET], "v", RESET),
+    ):  # fmt: skip
+        if rows.any():
+            size = 2.5 if look == "." else 4
+            panel.plot(time[rows], record.statistic[rows], look, color=colour, ms=size, mfc="none", label=label)
     panel.set(ylabel="global", yscale="log", xlabel=_clock(solution)[1])
+
+
+def _used(share: np.ndarray, aside: np.ndarray) -> dict[str, np.ndarray]:
+    """Return by name of the event which fixes had it, from their least share and whether their place is set aside."""
+    return {
+        WEIGHED: (share < 1) & (share > 0) & ~aside,
+        REMOVED: (share == 0) & ~aside,
+        SET_ASIDE: aside,
+    }
 
 
 def _component(panel, time: np.ndarray, record: InnovationRecord, number: int) -> None:
     """Draw one component of the innovations over its standard deviation; the axis is linear up to 5."""
     size = record.innovation[:, number] / np.sqrt(record.variance[:, number])
-    share = record.share[:, number]
-    for rows, colour, label in (
-        (share == 1, FILTER, "taken as it is"), ((share < 1) & (share > 0), WEIGHED, "weighed down"),
-        (share == 0, REMOVED, "removed"),
-    ):  # fmt: skip
+    aside = (record.position_use == EXCLUDED) & (number < PLACE)
+    used = _used(record.share[:, number], aside)
+    taken = {TAKEN: (record.share[:, number] == 1) & ~aside}
+    for label, rows in (taken | used).items():
         if rows.any():
-            panel.plot(time[rows], size[rows], ".", color=colour, ms=2.5, label=label)
+            panel.plot(time[rows], size[rows], ".", color=COLOURS.get(label, FILTER), ms=2.5, label=label)
     panel.set_yscale("symlog", linthresh=LINEAR)
     limit = max(LINEAR, 1.2 * np.nanmax(np.abs(size), initial=0.0))
-    ticks = [sign * tick for tick in (3, 10, 30, 100, 300) if tick <= limit for sign in (-1, 1)]
+    ticks = [sign * tick for tick in (3, 10, 100) if tick <= limit for sign in (-1, 1)]
     panel.set(ylabel=gnss.COMPONENTS[number].replace("_", " "), ylim=(-limit, limit))
     panel.set_yticks([0, *ticks], [str(tick) for tick in (0, *ticks)], minor=False)
     panel.minorticks_off()

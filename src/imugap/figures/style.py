@@ -5,7 +5,7 @@ from io import BytesIO
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
 
 from imugap import log
 
@@ -86,6 +86,12 @@ def decades(panel: mpl.axes.Axes, parts: tuple[int, ...] = (1, 2, 5)) -> None:
     panel.yaxis.set_major_locator(LogLocator(subs=parts, numticks=8))
     panel.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     panel.yaxis.set_minor_formatter(NullFormatter())
+
+
+def few_ticks(panel: mpl.axes.Axes) -> None:
+    """Set few ticks on linear axes, so that their labels stand apart also on a phone."""
+    panel.xaxis.set_major_locator(MaxNLocator(5))
+    panel.yaxis.set_major_locator(MaxNLocator(5))
 
 
 def text_figure(text: str) -> Figure:

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from imugap.figures.style import WIDTH, NotebookFigure, card, legend_below, panels_of, time_axis
+from imugap.figures.style import WIDTH, NotebookFigure, card, few_ticks, legend_below, panels_of, time_axis
 from imugap.filters.zero_velocity import MOVING
 from imugap.navigation.walk.pedestrian import WalkSolution
 
@@ -12,6 +12,8 @@ COLOUR = "#0072B2"
 STANCE = "#D55E00"
 LEVEL = 0.99
 """Probability that the ellipse of the end holds."""
+SEEN = 0.05
+"""Least width of that ellipse, relative to the walk, at which it is larger than a marker."""
 POINTS = 4000
 """Points of a curve: more than a page shows."""
 OVER_TIME = {"height": "height [m]", "heading": "heading [°]", "speed": "speed [m/s]"}
@@ -25,10 +27,14 @@ def plan(solution: WalkSolution, width: float = WIDTH) -> Figure:
     path = solution.trajectory[["east", "north"]].to_numpy()
     panel.plot(*path[:: _every(solution)].T, color=COLOUR, lw=0.7, label="path")
     panel.plot(*path[solution.stances()].T, ".", color=STANCE, ms=4, label="stances")
-    panel.plot(*path[0], "o", color="black", ms=5, label="begin")
-    panel.plot(*ellipse(path[-1], solution.horizontal[-1][::-1, ::-1]).T, color="black", lw=0.8,
-               label=f"end, {LEVEL:.0%}")  # fmt: skip
+    panel.plot(*path[0], "o", color="black", mfc="none", ms=6, label="begin")
+    edge = ellipse(path[-1], solution.horizontal[-1][::-1, ::-1])
+    seen = np.ptp(edge, axis=0).max() > SEEN * np.ptp(path, axis=0).max()
+    if seen:
+        panel.plot(*edge.T, color="black", lw=0.8, label=f"end, {LEVEL:.0%}")
+    panel.plot(*path[-1], "x", color="black", ms=4, label=None if seen else "end")
     panel.set(xlabel="east [m]", ylabel="north [m]", aspect="equal")
+    few_ticks(panel)
     panel.set_adjustable("datalim")
     legend_below(figure, 4)
     return figure
