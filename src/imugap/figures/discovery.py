@@ -13,7 +13,7 @@ from imugap.discovery.device import Discovery
 from imugap.discovery.evaluation.distance import Distances, Drifts
 from imugap.discovery.finding import Discrepancy, Interval
 from imugap.discovery.views import Curve
-from imugap.discovery.views.discrepancies import ViewTest
+from imugap.discovery.views.discrepancies import ViewTest, place_level
 from imugap.effects import title_of
 from imugap.figures.style import AXIS_TITLES, card, legend_below, panels_of, text_figure, time_axis
 from imugap.figures.views import VIEWS
@@ -41,9 +41,10 @@ NAMES = {"distribution": "distribution", "navigation": "navigation drift"}
 def places(found: Discovery, alpha: float) -> Figure:
     """Draw every view in which the log left the start model, before and after.
 
-    The curve is the statistic of the log, a deviation in standard deviations or a gain of log-likelihood; the band is
-    where a share 1 - ``alpha`` of simulated logs of the model, refitted, stays everywhere. Of windows that overlap, the
-    shortest make the curve; the bars at the top are the places that were named, also those of wider windows.
+    The curve is the statistic of the log, a deviation in standard deviations or a gain of log-likelihood; beyond the
+    band, from simulated logs of the model, refitted, lie the places at the false discovery rate ``alpha`` over all
+    views. Of windows that overlap, the shortest make the curve; the bars at the top are the places that were named,
+    also those of wider windows.
     """
     return _compared(found, alpha, _shown(found)[:MOST])
 
@@ -71,13 +72,14 @@ def _compared(found: Discovery, alpha: float, drawn: Sequence[tuple[str, str]]) 
         )
     before, after = ({(one.curve.view, one.curve.axis): one for one in some} for some in (found.before, found.after))
     figure, grid = panels_of(len(drawn), 2, 1.3 * len(drawn) + 0.6, sharex="row", sharey="row")
+    levels = [place_level(some, alpha) for some in (found.before, found.after)]
     for key, row in zip(drawn, grid, strict=True):
         pairs = ((before[key], found.discrepancies), (after.get(key), found.unexplained))
-        for panel, (title, colour), (test, places) in zip(row, STATES.values(), pairs, strict=True):
+        for panel, (title, colour), (test, places), level in zip(row, STATES.values(), pairs, levels, strict=True):
             if test is None:
                 panel.text(0.5, 0.5, "explained by what the axes share", ha="center", transform=panel.transAxes)
             else:
-                _view(panel, test, alpha, colour, f"{1 - alpha:.0%} of simulations, {title}")
+                _view(panel, test, level, colour, f"band of the {title}")
                 _marked(panel, [place for place in places if (place.view, place.axis) == key], test.curve)
         row[0].set_title(f"{_titled(key[1])}, {VIEWS[key[0]].title}", loc="left")
         _scaled(row, before[key].curve)
@@ -85,10 +87,10 @@ def _compared(found: Discovery, alpha: float, drawn: Sequence[tuple[str, str]]) 
     return figure
 
 
-def _view(panel: Axes, test: ViewTest, alpha: float, colour: str, label: str) -> None:
-    """Draw one view of the log against the envelope of a model."""
+def _view(panel: Axes, test: ViewTest, level: float, colour: str, label: str) -> None:
+    """Draw one view of the log against what a model leaves anywhere with a probability of ``level``."""
     curve = test.curve
-    low, high = test.envelope.bounds(alpha)
+    low, high = test.envelope.bounds(level)
     cells = np.arange(len(curve.low))
     if curve.windows is not None:
         first, last = curve.windows
@@ -126,7 +128,7 @@ def _scaled(row: Sequence[Axes], curve: Curve) -> None:
     for panel in row:
         panel.set_xlabel(along)
         panel.set_xscale("log" if curve.view in LOGARITHMIC else "linear")
-        if not curve.signed:
+        if not curve.signed and curve.statistic.max() > LINEAR:
             panel.set_yscale("symlog", linthresh=LINEAR)
             panel.set_ylim(bottom=min(float(curve.statistic.min()), 0.0) - 1)
             panel.yaxis.set_major_formatter(PLAIN)
@@ -145,11 +147,13 @@ def place(found: Discovery, alpha: float, key: tuple[str, str]) -> Figure:
     """Draw one view of one axis, with the start model above and with the final model below, as wide as a phone."""
     before, after = ({(one.curve.view, one.curve.axis): one for one in some} for some in (found.before, found.after))
     figure, panels = card(3.6, rows=2, sharex=True, sharey=True)
-    sides = zip(panels, STATES.values(), (before, after), (found.discrepancies, found.unexplained), strict=True)
-    for panel, (title, colour), tests, places in sides:
+    levels = [place_level(some, alpha) for some in (found.before, found.after)]
+    left = (found.discrepancies, found.unexplained)
+    sides = zip(panels, STATES.values(), (before, after), left, levels, strict=True)
+    for panel, (title, colour), tests, places, level in sides:
         panel.set_title(f"with the {title}")
         if key in tests:
-            _view(panel, tests[key], alpha, colour, f"{1 - alpha:.0%} of simulations, {title}")
+            _view(panel, tests[key], level, colour, f"band of the {title}")
             _marked(panel, [one for one in places if (one.view, one.axis) == key], tests[key].curve)
         else:
             panel.text(0.5, 0.5, "explained by what the axes share", ha="center", transform=panel.transAxes)

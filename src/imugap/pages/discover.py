@@ -24,7 +24,7 @@ from imugap.model import ErrorModel
 from imugap.pages.estimate import HORIZON
 from imugap.pages.model import filter_part, simulator_part, text
 from imugap.pages.page import Block, DataTable, Fold, Gallery, Page, Part, Picture, Points, Snippet, Text, Topic
-from imugap.workflow.tables import number, unit
+from imugap.workflow.tables import number, unit, with_interval
 
 SHOWN = 6
 """Pictures of places that are shown; the others are in a fold."""
@@ -86,8 +86,9 @@ def _verdict(result: FileDiscovery) -> Iterable[str]:
     """Yield how much is missing, what is left, and the gain."""
     found = result.found
     if found.findings:
-        names = "; ".join(f"{title_of(one.name)} on {', '.join(one.axes)}" for one in found.findings)
-        count = len(found.findings)
+        shared = list(_shared(found.findings))
+        names = "; ".join(f"{title_of(some[0].name)} on {_axes_of(some)}" for some in shared)
+        count = len(shared)
         yield f"{count} effect{'s are' if count > 1 else ' is'} missing from the error model: {names}."
     elif found.withheld or found.unexplained or found.shapes:
         yield "The log disagrees with the model, but nothing that is missing has a name."
@@ -107,20 +108,55 @@ def _gain(apart: Distances) -> str:
 
 
 def _missing(findings: Sequence[Finding]) -> Iterable[Block]:
+    for some in _shared(findings):
+        heading = f"{title_of(some[0].name)} on {_axes_of(some)}"
+        yield Topic(heading[0].upper() + heading[1:], tuple(_effect(some)))
+
+
+def _shared(findings: Sequence[Finding]) -> Iterable[list[Finding]]:
+    """Yield findings of the same effect on several axes together: those whose frequencies and times may be equal."""
+    groups: list[list[Finding]] = []
     for one in findings:
-        heading = f"{title_of(one.name)} on {', '.join(one.axes)}"
-        yield Topic(heading[0].upper() + heading[1:], tuple(_finding(one)))
+        group = next((some for some in groups if all(_may_be_one(one, other) for other in some)), None)
+        if group is None:
+            groups.append([one])
+        else:
+            group.append(one)
+    return groups
 
 
-def _finding(one: Finding) -> Iterable[Block]:
-    """Yield what an effect is, its parameters, and what simulator and filter do with it."""
-    effect = next(iter(one.effects.values()))
+def _may_be_one(one: Finding, other: Finding) -> bool:
+    """Return whether findings are the same effect on different axes, with intervals that overlap in time and rate."""
+    both = ((one.parameters[name], other.parameters[name]) for name in one.parameters.keys() & other.parameters.keys())
+    return (
+        one.name == other.name
+        and not set(one.axes) & set(other.axes)
+        and all(a.low <= b.high and b.low <= a.high for a, b in both if a.unit in ("Hz", "s"))
+    )
+
+
+def _axes_of(some: Sequence[Finding]) -> str:
+    return ", ".join(axis for one in some for axis in one.axes)
+
+
+def _effect(some: Sequence[Finding]) -> Iterable[Block]:
+    """Yield what an effect is, its parameters on its axes, and what simulator and filter do with it."""
+    effects = {axis: own for one in some for axis, own in one.effects.items()}
+    effect = next(iter(effects.values()))
     yield Text(_meaning(effect))
-    rows = tuple(_parameter(name, interval) for name, interval in one.parameters.items())
-    yield DataTable("Parameters with 95 % intervals, SI.", ("parameter", "value", "95 % interval", "unit"), rows)
-    yield Text(f"{certainty(one).capitalize()}.")
+    several = len(some) > 1
+    rows = tuple(
+        (*((", ".join(one.axes),) if several else ()), *_parameter(name, interval))
+        for one in some for name, interval in one.parameters.items()
+    )  # fmt: skip
+    titles = (*(("axis",) if several else ()), "parameter", "value", "95 % interval", "unit")
+    yield DataTable("Parameters with 95 % intervals, SI.", titles, rows)
+    if several:
+        yield Points(tuple(f"{', '.join(one.axes)}: {certainty(one)}." for one in some))
+    else:
+        yield Text(f"{certainty(some[0]).capitalize()}.")
     yield Text(f"In the simulator: {'add to the model' if effect.normal else 'in place of the white noise'}")
-    yield Snippet(text(ErrorModel({axis: AxisModel((own,)) for axis, own in one.effects.items()})))
+    yield Snippet(text(ErrorModel({axis: AxisModel((own,)) for axis, own in effects.items()})))
     meaning = in_filter(effect)
     if meaning is not None:
         yield Text(f"In the filter: {meaning}")
@@ -170,7 +206,7 @@ def _or_dash(value: float | None) -> str:
 
 
 def _of_log(one: Interval | None) -> tuple[str, str]:
-    return ("–", "–") if one is None else (number(one.value), f"{number(one.low)} to {number(one.high)}")
+    return ("–", "–") if one is None else with_interval(one.value, one.low, one.high)
 
 
 def _meaning(effect: Effect) -> str:
@@ -180,8 +216,11 @@ def _meaning(effect: Effect) -> str:
 
 
 def _parameter(name: str, one: Interval) -> tuple[str, ...]:
-    span = f"{number(one.low)} to {number(one.high)}"
-    return name.replace("_", " "), number(one.value), span, "" if one.unit == "1" else unit(one.unit)
+    return (
+        name.replace("_", " "),
+        *with_interval(one.value, one.low, one.high),
+        "" if one.unit == "1" else unit(one.unit),
+    )
 
 
 def _remarks(result: FileDiscovery) -> Iterable[str]:
@@ -229,10 +268,11 @@ def _places(result: FileDiscovery) -> Iterable[Block]:
         yield Text("No view of the log leaves the start model.")
         return
     yield Text(
-        f"Each picture compares the log (black) with simulations (band: where {1 - result.alpha:.0%} of them stay "
-        "everywhere), with the model before and after. Bars at the top mark the places where the log leaves the band. "
-        "Of each view the surest axis is shown, and every axis that is still unexplained; the figure called places "
-        "beside this page has all."
+        "Each picture compares the log (black) with simulations of the model before and after (band). Bars at the top "
+        f"mark the places where the log leaves the band; of all places, at most {result.alpha:.0%} are chance. For "
+        "this the band is wider where fewer views leave it: a curve beyond it before, one of many, may lie within it "
+        "after, though neither curve nor model of its axis changed. Of each view the surest axis is shown, and every "
+        "axis that is still unexplained; the figure called places beside this page has all."
     )
     drawn = figures.drawn_places(found)
     pictures = [

@@ -12,15 +12,20 @@ from tests.discovery.simulated import simulated
 from imugap import log
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description, Entry
+from imugap.discovery.views.curve import Curve
 from imugap.discovery.views.discrepancies import (
     FIRST_REPLICATES,
     REPLICATES,
     SMALL_P_VALUE,
+    ViewTest,
     find_discrepancies,
+    place_level,
     replicate_groups,
+    significant_discrepancies,
     threshold,
     view_tests,
 )
+from imugap.discovery.views.envelope import Envelope
 from imugap.effects import (
     BiasInstability,
     BiasStep,
@@ -78,6 +83,21 @@ def test_axes_that_use_different_shares_of_the_frequencies_are_compared_on_what_
 )
 def test_false_discovery_threshold(p_values, level):
     assert threshold(np.array(p_values), 0.01) == pytest.approx(level)
+
+
+@pytest.mark.parametrize("scale", [1.0, 8.0])
+def test_a_view_has_places_where_its_curve_leaves_the_band_of_the_level(scale):
+    """Whether many views leave their model or none: the band at the level is that of the places."""
+    draws = stream(57, "level").normal(size=(100, 20, 12))
+    tests = [ViewTest(Curve("mean", "gyro_x", grid, grid, "s", scale * one[0] if k < 5 else one[0], True),
+                      Envelope(one[1:], True))
+             for grid in [np.arange(12.0)] for k, one in enumerate(draws.transpose(1, 0, 2))]  # fmt: skip
+    level = place_level(tests, 0.01)
+    assert bool(significant_discrepancies(tests, 0.01)) == (scale > 1)
+    for one in tests:
+        low, high = one.envelope.bounds(level)
+        outside = ((one.curve.statistic <= low) | (one.curve.statistic >= high)).any()
+        assert outside == (one.p_value <= level)
 
 
 @pytest.mark.parametrize(

@@ -252,8 +252,16 @@ def find_discrepancies(
     return significant_discrepancies(view_tests(fits, seed, replicates, known), alpha)
 
 
+def place_level(tests: Collection[ViewTest], alpha: float) -> float:
+    """Return the p-value down to which a view has places, at a false discovery rate over all of them.
+
+    Where no view passes it is that of the first one that would.
+    """
+    return threshold(np.array([test.p_value for test in tests]), alpha) or alpha / max(len(tests), 1)
+
+
 def significant_discrepancies(tests: Collection[ViewTest], alpha: float) -> tuple[Discrepancy, ...]:
     """Return the places of view tests at a false discovery rate over all of them, by p-value."""
-    level = threshold(np.array([test.p_value for test in tests]), alpha)
+    level = place_level(tests, alpha)
     found = [place for test in tests if test.p_value <= level for place in test.places(level)]
     return tuple(sorted(found, key=lambda place: place.p_value))
