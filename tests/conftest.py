@@ -115,7 +115,7 @@ def judge(monkeypatch):
     """A goodness of fit that finds every model good; gives the sentence that it says."""
     sentence = "Nothing speaks against the model"
     monkeypatch.setattr(
-        "imugap.estimation.goodness_of_fit.of", lambda *_, **__: SimpleNamespace(verdict=f"{sentence}.")
+        "imugap.estimation.goodness_of_fit.of", lambda *_, **__: SimpleNamespace(verdict=f"{sentence}.", off=())
     )
     return sentence
 

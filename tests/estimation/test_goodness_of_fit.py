@@ -33,7 +33,8 @@ def test_a_line_is_seen_in_its_octave():
     octave = judged.table.loc[2]  # 12.5 to 25 Hz
     assert octave["low_hz"] < 20 < octave["high_hz"]
     assert octave["ratio"] > 1
-    assert "12.5-25 Hz" in judged.verdict
+    assert "12.5-25 Hz, averaging time 0.02 s: " in judged.verdict
+    assert judged.off[0] == (0.02, 0.02)
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e3])

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from imugap.interchange.start_bias import start_bias
+from imugap.interchange.start_bias import known_biases, start_bias
 from imugap.kinematics.earth import ROTATION_RATE
 from imugap.log import ACCEL, GYRO
 
@@ -25,6 +25,12 @@ def test_accelerometers_show_the_bias_along_gravity_and_a_level_across_it():
     assert found[2, 0] == pytest.approx(0.1, abs=2e-3)
     assert np.abs(found[:2, 0]).max() < 2e-3
     assert found[:, 1] == pytest.approx(0.1, rel=1e-6)
+
+
+def test_the_known_biases_are_those_of_the_gyroscopes_and_along_gravity():
+    levels = {"gyro_y": 1e-3, **dict(zip(ACCEL, (0.1, -0.05, -9.7), strict=True))}
+    assert known_biases(levels, GRAVITY) == {"gyro_y": 1e-3, "accel": pytest.approx(-0.0994, abs=1e-3)}
+    assert known_biases({"accel_z": -9.7}, GRAVITY) == {}
 
 
 def test_a_device_that_is_not_level_is_as_uncertain_as_gravity():

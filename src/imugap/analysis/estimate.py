@@ -53,6 +53,11 @@ class LogEstimate:
         """Return the sampling rate to nine digits, without the round-off of the stamps [Hz]."""
         return float(f"{1 / self.regular.interval:.9g}")
 
+    @property
+    def levels(self) -> dict[str, float]:
+        """Mean output of each axis, SI."""
+        return {one.axis: float(one.used.values.mean()) for one in self.axes}
+
     def export(self, target: Target, rule: Rule, gravity: float) -> ExportedFile:
         """Return the file for a filter: estimates, bounds for what the log hides, its bias at rest, any misfit.
 
@@ -62,8 +67,7 @@ class LogEstimate:
             Gravity of the site [m/s^2].
         """
         axes = {one.axis: _present(one.fit.model) for one in self.axes}
-        levels = {one.axis: float(one.used.values.mean()) for one in self.axes}
-        for axis, (bias, spread) in start_bias(levels, gravity).items():
+        for axis, (bias, spread) in start_bias(self.levels, gravity).items():
             axes[axis] = AxisModel((*axes[axis], bias, *((spread,) if target is Target.KF_GINS else ())))
         bounds: dict[str, tuple[Effect, ...]] = {}
         if target is not Target.IMUGAP and target not in PROGRAMS:

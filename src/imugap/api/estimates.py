@@ -129,7 +129,7 @@ class Estimated(Result):
         """Draw the Allan deviation of each axis against that of its model."""
         from imugap.figures import estimation
 
-        return estimation.fitted(report.curves(self.axes))
+        return estimation.fitted(report.curves(self.axes), {one.axis: one.off for one in self.axes})
 
     def files(self, kind: str = "svg") -> Mapping[str, object]:
         """Return the estimates as records and as a table, the model, and the figure."""

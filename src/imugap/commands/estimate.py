@@ -5,7 +5,7 @@ All files are written, or none.
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from math import inf
 from pathlib import Path
 
@@ -28,6 +28,7 @@ from imugap.estimation import report
 from imugap.estimation.model_selection import TERMS
 from imugap.estimation.report import AxisEstimate, Method
 from imugap.interchange.export import Target
+from imugap.interchange.start_bias import known_biases
 from imugap.log import AXES
 from imugap.workflow.products import write_figure
 
@@ -135,7 +136,7 @@ def _writers(
 def _shown(found: Estimated) -> str:
     """Return the verdicts, those of models that do not fit their log first, and a table of the estimates."""
     titles = ["axis", "effect", "value", "95 % interval", "unit", "in use"]
-    rows = [row for one in found.axes for row in _rows(one)]
+    rows = [row for one in found.axes for row in _rows(one)] + [*_biases(found)]
     return "\n".join([found.verdict, "", table_text(titles, rows)])
 
 
@@ -148,3 +149,10 @@ def _rows(estimate: AxisEstimate) -> list[list[str]]:
             [estimate.axis, name, number(one.value), interval_text(one.low, one.high), unit, habit(one.value, unit)]
         )
     return rows
+
+
+def _biases(found: Estimated) -> Iterator[list[str]]:
+    """Yield the constant biases that the log shows."""
+    for axis, bias in known_biases(found.estimate.levels, found.gravity).items():
+        unit, along = ("m/s^2", " along gravity") if axis == "accel" else ("rad/s", "")
+        yield [axis, f"bias{along}", number(bias), "", unit, habit(bias, unit)]

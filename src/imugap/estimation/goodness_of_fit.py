@@ -3,6 +3,7 @@
 The scatter of the wavelet variances is computed from the model itself.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,11 +45,14 @@ class Goodness:
         Probability of so large a deviation in any octave under the model; slightly conservative (Sidak's inequality).
     verdict
         "fits", or the octaves that deviate, by how much, the most significant first, and the p-value.
+    off
+        Shortest and longest averaging time [s] of each range of octaves that deviate, the most significant first.
     """
 
     table: pd.DataFrame
     p_value: float
     verdict: str
+    off: tuple[tuple[float, float], ...] = ()
 
     @property
     def fits(self) -> bool:
@@ -109,7 +113,10 @@ def of(
     judged = table[table["high_hz"] <= max(highest, table["high_hz"].min())]
     joint = float(-np.expm1(len(judged) * np.log1p(-judged["p"].min())))
     off = judged[judged["p"] < 1 - level ** (1 / len(judged))]
-    return Goodness(table, joint, _verdict(off, joint) if len(off) else FITS)
+    if not len(off):
+        return Goodness(table, joint, FITS)
+    ranges = _ranges(off)
+    return Goodness(table, joint, _verdict(ranges, joint), tuple(_times(run) for run in ranges))
 
 
 def _removed(model: AxisModel, interval: float, count: int, levels: int, width: int) -> np.ndarray:
@@ -136,11 +143,19 @@ def _probability(ratio: np.ndarray, edf: np.ndarray) -> np.ndarray:
     return np.minimum(2 * np.minimum(chdtr(edf, edf * ratio), chdtrc(edf, edf * ratio)), 1 - 1e-16)
 
 
-def _verdict(off: pd.DataFrame, p_value: float) -> str:
-    """Return in words the ranges of octaves that deviate, neighbours of the same sign in one."""
+def _ranges(off: pd.DataFrame) -> list[pd.DataFrame]:
+    """Return the ranges of octaves that deviate, neighbours of the same sign in one, the most significant first."""
     more = off["ratio"] > 1
     starts = more.ne(more.shift()) | (off.index.to_series().diff() != 1)
-    ranges = sorted((run for _, run in off.groupby(starts.cumsum())), key=lambda run: -run["deviation"].abs().max())
+    return sorted((run for _, run in off.groupby(starts.cumsum())), key=lambda run: -run["deviation"].abs().max())
+
+
+def _times(run: pd.DataFrame) -> tuple[float, float]:
+    return float(run["tau"].min()), float(run["tau"].max())
+
+
+def _verdict(ranges: Sequence[pd.DataFrame], p_value: float) -> str:
+    """Return in words the ranges of octaves that deviate."""
     rest = len(ranges) - NAMED
     named = [*map(_range, ranges[:NAMED]), *([f"{rest} more"] if rest > 0 else [])]
     shown = f"p = {p_value:.2g}" if p_value > SMALLEST else f"p < {SMALLEST:g}"
@@ -148,10 +163,14 @@ def _verdict(off: pd.DataFrame, p_value: float) -> str:
 
 
 def _range(run: pd.DataFrame) -> str:
-    """Return octaves and size of a misfit, e.g. "12.5-25 Hz: 34 % more than the model"."""
+    """Return octaves and size of a misfit, e.g. "12.5-25 Hz, averaging time 0.02 s: 34 % more than the model"."""
     ratio = run["ratio"].loc[run["deviation"].abs().idxmax()]
-    span = f"{run['low_hz'].min():.3g}-{run['high_hz'].max():.3g} Hz"
+    span = f"{run['low_hz'].min():.3g}-{run['high_hz'].max():.3g} Hz, {_averaging(*_times(run))}"
     if ratio > TIMES:
         return f"{span}: {ratio:.2g} times the model"
     percent = float(f"{100 * abs(ratio - 1):.2g}")
     return f"{span}: {percent:g} % {'more' if ratio > 1 else 'less'} than the model"
+
+
+def _averaging(first: float, last: float) -> str:
+    return f"averaging time {first:.3g} s" if first == last else f"averaging times {first:.3g} to {last:.3g} s"

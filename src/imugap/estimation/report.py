@@ -168,6 +168,8 @@ class AxisEstimate:
         Sentences on what was left out of the log, and on what explains it.
     used
         Samples that were used.
+    off
+        Shortest and longest averaging time [s] of each range of octaves in which the model does not fit.
     """
 
     axis: str
@@ -177,6 +179,7 @@ class AxisEstimate:
     alternatives: tuple[Kinds, ...] = ()
     remarks: tuple[str, ...] = ()
     used: "UsedSamples | None" = field(default=None, repr=False, compare=False)
+    off: tuple[tuple[float, float], ...] = ()
 
     @property
     def fits(self) -> bool:
@@ -268,7 +271,7 @@ def estimate_axis(
         remarks.append("The temperature of the log explains a part of the bias, which is not a random process")
     alternatives = found.choice.alternatives if found else ()
     used = UsedSamples(values, interval, highest, share)
-    return AxisEstimate(axis, settings.method, fit, checked.verdict, alternatives, tuple(remarks), used)
+    return AxisEstimate(axis, settings.method, fit, checked.verdict, alternatives, tuple(remarks), used, checked.off)
 
 
 def _fitted(

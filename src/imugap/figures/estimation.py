@@ -1,6 +1,8 @@
 """Figures of the chapter on estimation: each function draws one figure from tables and returns it."""
 
+from collections.abc import Mapping, Sequence
 from math import ceil
+from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
@@ -47,6 +49,12 @@ TIMES = {"ls": ("-", "--", ":"), "marker": ("o", "s", "^")}
 """Looks of the correlation times, from the shortest."""
 LARGEST = 3.0
 """Ratio to the truth beyond which an estimate is drawn at the edge."""
+
+
+MISFIT = "#E69F00"
+HALF = np.sqrt(2)
+"""Half an octave, by which the mark of a misfit is wider than its averaging times on either side."""
+Misfits = Mapping[str, Sequence[tuple[float, float]]]
 
 
 def distributions(estimates: pd.DataFrame, truth: dict[int, pd.Series], bounds: dict[int, pd.Series]) -> Figure:
@@ -203,7 +211,7 @@ def goodness(table: pd.DataFrame) -> Figure:
     return figure
 
 
-def fitted(curves: pd.DataFrame) -> Figure:
+def fitted(curves: pd.DataFrame, misfits: Misfits = MappingProxyType({})) -> Figure:
     """Draw the Allan deviation of each axis against the curve and the band of its fitted model.
 
     Parameters
@@ -211,13 +219,15 @@ def fitted(curves: pd.DataFrame) -> Figure:
     curves
         Columns ``axis``, ``tau`` [s], ``deviation`` (of the log), ``model``, ``low``, ``high`` (where the model expects
         the deviation of so long a log); SI.
+    misfits
+        Ranges of averaging times [s] in which the model does not fit, by axis; they are marked.
     """
     axes = list(curves["axis"].unique())
     columns = min(len(axes), 3)
     rows = ceil(len(axes) / columns)
     figure, grid = panels_of(rows, columns, 2.2 * rows + 0.4, sharex=True)
     for axis, panel in zip(axes, grid.flat, strict=False):
-        _fitted(panel, axis, curves[curves["axis"] == axis])
+        _fitted(panel, axis, curves[curves["axis"] == axis], misfits.get(axis, ()))
         panel.set_title(AXIS_TITLES[axis])
         panel.tick_params(labelbottom=True)
     for panel in grid.flat[len(axes) :]:
@@ -226,18 +236,22 @@ def fitted(curves: pd.DataFrame) -> Figure:
     return figure
 
 
-def fitted_axis(axis: str, curve: pd.DataFrame) -> Figure:
+def fitted_axis(axis: str, curve: pd.DataFrame, misfits: Sequence[tuple[float, float]] = ()) -> Figure:
     """Draw what :func:`fitted` draws of one axis, as wide as a phone."""
     figure, (panel,) = card(2.6)
-    _fitted(panel, axis, curve)
-    legend_below(figure, 3)
+    _fitted(panel, axis, curve, misfits)
+    legend_below(figure, 2)
     return figure
 
 
-def _fitted(panel: Axes, axis: str, curve: pd.DataFrame) -> None:
+def _fitted(panel: Axes, axis: str, curve: pd.DataFrame, misfits: Sequence[tuple[float, float]]) -> None:
     unit, tau = allan_unit(axis), curve["tau"].to_numpy()
     deviation, model, low, high = (from_si(curve[c].to_numpy(), unit) for c in ("deviation", "model", "low", "high"))
-    panel.fill_between(tau, low, high, color="#0072B2", alpha=0.2, lw=0, label="95 % of logs under it")
+    panel.fill_between(tau, low, high, color="#0072B2", alpha=0.2, lw=0, label="95 % of the logs that the model makes")
+    for first, last in misfits:
+        panel.axvspan(
+            first / HALF, last * HALF, color=MISFIT, alpha=0.2, lw=0, label="the model does not fit", zorder=0
+        )
     panel.plot(tau, model, color="#0072B2", label="fitted model")
     panel.plot(tau, deviation, color="black", marker=".", ms=2.5, lw=0.6, label="log")
     panel.set(xscale="log", yscale="log", xlabel="averaging time τ [s]", ylabel=allan_label(axis))

@@ -19,6 +19,17 @@ UPRIGHT = 0.17
 """Largest tilt of an axis along gravity [rad] of a device that was set down level."""
 
 
+def known_biases(levels: Mapping[str, float], gravity: float) -> dict[str, float]:
+    """Return the biases that a log at rest shows: of each gyroscope, and of ``accel`` along gravity.
+
+    Parameters as :func:`start_bias`.
+    """
+    found = {axis: levels[axis] for axis in GYRO if axis in levels}
+    if set(ACCEL) <= set(levels):
+        found["accel"] = float(np.linalg.norm([levels[axis] for axis in ACCEL])) - gravity
+    return found
+
+
 def start_bias(levels: Mapping[str, float], gravity: float) -> dict[str, tuple[Bias, TurnOnBias]]:
     """Return bias and its standard deviation at the start, of each axis.
 

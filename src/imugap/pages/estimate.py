@@ -5,10 +5,11 @@ from imugap.estimation import report
 from imugap.figures.estimation import fitted_axis
 from imugap.figures.style import AXIS_TITLES
 from imugap.interchange.conventions import Rule
+from imugap.interchange.start_bias import known_biases
 from imugap.pages.check import log_gallery
 from imugap.pages.model import filter_part, simulator_part
-from imugap.pages.page import DataTable, Gallery, Page, Part, Picture, Points, Text
-from imugap.workflow.tables import number, unit
+from imugap.pages.page import Block, DataTable, Gallery, Page, Part, Picture, Points, Text
+from imugap.workflow.tables import number, unit, with_interval
 
 HORIZON = 10.0
 """Averaging time at which the Allan variance of the slow part is kept [s]."""
@@ -31,7 +32,7 @@ def page(found: LogEstimate, gravity: float) -> Page:
         not bad and not found.failed,
         (
             Part("Allan deviations", (Text(ALLAN), _curves(found))),
-            Part("Parameters", (_parameters(found),)),
+            Part("Parameters", (_parameters(found), *_biases(found, gravity))),
             simulator_part(found.model, rule),
             filter_part(lambda target: found.export(target, rule, gravity).text),
             Part("What was undone or left out", (Points(remarks),) if remarks else ()),
@@ -43,15 +44,23 @@ def page(found: LogEstimate, gravity: float) -> Page:
 ALLAN = (
     "The Allan deviation is the scatter of means over an averaging time from one to the next. White noise falls with "
     "slope -1/2, flicker noise is level, a random walk rises with slope +1/2. Where the black curve stays in the blue "
-    "band, a log as long as this one shows no difference from the model."
+    "band, a log as long as this one shows no difference from the model. Orange marks where the model does not fit: "
+    "the test of an octave sees a difference that is narrow in this picture."
+)
+
+
+BIAS = (
+    "The bias is the mean of the log. That of a gyroscope holds the rotation of the Earth, up to 15 °/h. That of the "
+    "accelerometers is known along gravity, as well as the gravity of the site; across it a bias is like a tilt."
 )
 
 
 def _curves(found: LogEstimate) -> Gallery:
+    misfits = {one.axis: one.off for one in found.axes}
     pictures = [
         Picture(
-            fitted_axis(axis, curve),
-            f"{AXIS_TITLES[axis]}: the log, the fitted model, and where 95 % of logs of this model lie.",
+            fitted_axis(axis, curve, misfits[axis]),
+            f"{AXIS_TITLES[axis]}: the log, the fitted model, and where 95 % of the logs that it makes lie.",
             f"Allan deviation of {axis} over the averaging time, with the curve and band of its model",
         )
         for axis, curve in report.curves(found.axes).groupby("axis", sort=False)
@@ -62,10 +71,20 @@ def _curves(found: LogEstimate) -> Gallery:
 def _parameters(found: LogEstimate) -> DataTable:
     rows = tuple(
         (
-            one.axis, estimate.effect.replace("_", " "), estimate.parameter.replace("_", " "), number(estimate.value),
-            f"{number(estimate.low)} to {number(estimate.high)}", unit(name), str(estimate.verdict),
+            one.axis, estimate.effect.replace("_", " "), estimate.parameter.replace("_", " "),
+            *with_interval(estimate.value, estimate.low, estimate.high), unit(name), str(estimate.verdict),
         )
         for one in found.axes for estimate, name in one.parameters()
     )  # fmt: skip
     titles = ("axis", "effect", "parameter", "value", "95 % interval", "unit", "the log")
     return DataTable("Estimates with 95 % intervals, SI.", titles, rows)
+
+
+def _biases(found: LogEstimate, gravity: float) -> tuple[Block, ...]:
+    """Return the biases that the log shows, if any, and what they hold."""
+    rows = tuple(
+        ("accel, along gravity" if axis == "accel" else axis, number(bias), "m/s²" if axis == "accel" else "rad/s")
+        for axis, bias in known_biases(found.levels, gravity).items()
+    )
+    table = DataTable("Constant bias of this log, SI.", ("axis", "bias", "unit"), rows)
+    return (Text(BIAS), table) if rows else ()
