@@ -192,13 +192,15 @@ def _written(
 
 
 def _kalibr(model: ErrorModel, rule: Rule) -> Written:
-    notes, lines = _per_triad(model, KALIBR, rule, "Kalibr refuses a random walk of 0")
+    notes, lines = _per_triad(model, KALIBR, rule, Target.KALIBR, "Kalibr refuses a random walk of 0")
     lines += ["rostopic: /imu0  # set to yours", f"update_rate: {float(rule.rate)}  # Hz"]
     return notes, lines
 
 
 def _vins(model: ErrorModel, rule: Rule) -> Written:
-    notes, lines = _per_triad(model, VINS, rule, "with a random walk of 0 the covariance of VINS has no inverse")
+    notes, lines = _per_triad(
+        model, VINS, rule, Target.VINS, "with a random walk of 0 the covariance of VINS has no inverse"
+    )
     notes += [
         f"Valid at {rule.rate:g} Hz only: VINS takes the numbers per sample.",
         "acc_n and gyr_n hold a factor sqrt(2): VINS takes the two samples of its midpoint rule for independent of",
@@ -207,15 +209,17 @@ def _vins(model: ErrorModel, rule: Rule) -> Written:
     return notes, lines
 
 
-def _per_triad(model: ErrorModel, convention: Convention, rule: Rule, reason: str) -> tuple[list[str], list[str]]:
+def _per_triad(
+    model: ErrorModel, convention: Convention, rule: Rule, target: Target, reason: str
+) -> tuple[list[str], list[str]]:
     """Return notes and lines for a tool with one white noise and one random walk for each triad."""
     axes = _reduced(model, rule)
     triads = by_triad(axes, rule)
     for kind, one in triads.items():
         if not one.walk:
             raise ValueError(
-                f"{kind}: expected a slow process; found white noise alone ({reason}; `imugap estimate LOG --to` "
-                "gives the largest random walk that the log allows)"
+                f"{kind}: expected a slow process; found white noise alone ({reason}). Next step: `imugap estimate LOG "
+                f"--to {target} FILE` writes the largest random walk that a log at rest allows"
             )
     lines = [
         f"{one.name}: {number(_shown(one, triads[kind], rule))}  # {one.unit}, {one.meaning}"
