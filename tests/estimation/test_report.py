@@ -99,14 +99,14 @@ def test_wavelet_method_gets_the_random_processes_and_the_ramp_apart(judge, monk
 
 def test_allan_method_gets_the_ramp_among_the_kinds(judge, monkeypatch):
     sequence = simulate(AxisModel((WhiteNoise(1e-3),)))
-    calls = stand_in(monkeypatch, "allan_slopes", sequence)
+    calls = stand_in(monkeypatch, "variances.allan_slopes", sequence)
     estimated(sequence, WhiteNoise, RateRamp, method=Method.ALLAN)
     assert calls == [(((WhiteNoise, RateRamp), 0.95), {})]
 
 
 def test_chosen_terms_are_estimated_by_the_method_asked_for(judge, monkeypatch):
     sequence = simulate(AxisModel((WhiteNoise(1e-3),)))
-    calls = stand_in(monkeypatch, "allan_slopes", sequence)
+    calls = stand_in(monkeypatch, "variances.allan_slopes", sequence)
     assert estimated(sequence, method=Method.ALLAN).method == Method.ALLAN
     assert calls[0][0][0] == (WhiteNoise,)
 
