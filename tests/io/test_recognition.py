@@ -192,7 +192,9 @@ def test_forces_in_whole_numbers_are_mg_or_counts(tmp_path, per_g, reading):
     assert log["accel_z"].mean() == pytest.approx(-9.80665, abs=0.01)
 
 
-@pytest.mark.parametrize(("gyro", "accel"), [("rev/min", "cm/s^2"), ("arcsec/s", "mm/s^2"), ("urad/s", "ft/s^2")])
+@pytest.mark.parametrize(
+    ("gyro", "accel"), [("rev/min", "cm/s^2"), ("deg/h", "mGal"), ("arcsec/s", "mm/s^2"), ("urad/s", "ft/s^2")]
+)
 def test_rare_units_of_a_header_are_converted(tmp_path, gyro, accel):
     header = ["t [s]", *(f"Gyro {a} [{gyro}]" for a in "XYZ"), *(f"Acc {a} [{accel}]" for a in "XYZ")]
     found = read(written(tmp_path, turned(), header, gyro, accel), RecordingSettings(frame="as-is"))
@@ -203,7 +205,12 @@ def test_rare_units_of_a_header_are_converted(tmp_path, gyro, accel):
     ("gyro", "accel", "message"),
     [("furlong/h", "m/s^2", "found 'furlong/h' in the header"),
      ("LSB", "m/s^2", "found 'counts' in the header: counts of a"),
-     ("deg/s", "Kg/lb", "found 'Kg/lb' in the header")],
+     ("deg/s", "Kg/lb", "found 'Kg/lb' in the header$"),
+     ("mV", "m/s^2", "found 'mV' in the header"),
+     ("Hz", "m/s^2", "found 'Hz' in the header"),
+     ("deg/s", "V", "found 'V' in the header"),
+     ("deg/s", "foo", "found 'foo' in the header"),
+     ("deg/s", "0.1 g", "found '0.1 g' in the header")],
 )  # fmt: skip
 def test_a_unit_of_a_header_that_is_not_known_is_refused_and_the_option_decides(tmp_path, gyro, accel, message):
     header = ["t [s]", *(f"Gyro {a} [{gyro}]" for a in "XYZ"), *(f"Acc {a} [{accel}]" for a in "XYZ")]
@@ -298,3 +305,19 @@ def test_a_triad_that_the_driver_fills_with_zeros_costs_that_triad_alone(tmp_pat
 def test_accelerations_without_gravity_and_without_a_unit_are_refused_for_that(tmp_path):
     with pytest.raises(LogError, match="of no gravity: was it removed"):
         read(written(tmp_path, at_rest(up=(0, 0, 0.02)), NAMELESS))
+
+
+def test_a_line_of_units_below_the_names_may_hold_units_that_are_not_known(tmp_path):
+    samples = np.column_stack([times(), at_rest()])
+    path = write_text(tmp_path / "run.csv", ["s", *["mV"] * 3, *["V"] * 3], samples, before=[",".join(CONTRACT)])
+    with pytest.raises(LogError, match="found 'V' in the header"):
+        read(path)
+    assert len(read(path, RecordingSettings(units=given_units(["rad/s", "m/s^2"]))).log) == len(samples)
+
+
+def test_tenths_of_a_unit_are_counts_of_it_by_the_option(tmp_path):
+    samples = at_rest(up=(0, 0, -1))
+    header = ["t [s]", *(f"gyro_{a} [rad/s]" for a in "xyz"), *(f"accel_{a} [0.1 g]" for a in "xyz")]
+    path = written(tmp_path, samples * np.repeat([1, 10], 3), header, accel="g")
+    found = read(path, RecordingSettings(units=given_units(["accel=g/10"])))
+    np.testing.assert_allclose(found.log.to_numpy(), samples, rtol=1e-6, atol=1e-9)

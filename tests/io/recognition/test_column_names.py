@@ -102,6 +102,30 @@ def test_accelerations_without_gravity_are_known_by_their_names(names):
     assert assign(["time", *names]).free
 
 
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [(f"accel_x [{unit}]", unit) for unit in ("V", "foo", "0.1 g", "dam/s^2", "1e-3 m/s^2", "kgf", "ugal")]
+    + [(f"gyro_x ({unit})", unit) for unit in ("mV", "Hz", "0.01 deg/s", "kdps", "volts")]
+    + [("gyro_x_mV", "mV"), ("gyro x, mV", "mV"), ("mV_gyro_x_mV", "mV"), ("accel_z (mGal)", "mGal"),
+       ("fx_mGal", "mGal"), ("accel x [milli-g]", "mg")],
+)  # fmt: skip
+def test_a_text_that_is_written_as_a_unit_is_kept(name, unit):
+    assert meaning(name).unit == unit
+
+
+@pytest.mark.parametrize(
+    "words", ["[x]", "(calibrated)", "[calibrated]", "(body)", "[FLU]", "[imu]", "(IMU 1)", "(16g)", "[left]", "(b)",
+              "[NED]", "(200g)", "[2]"],
+)  # fmt: skip
+def test_words_in_brackets_that_are_no_unit_are_none(words):
+    assert [meaning(f"{name}_y {words}").unit for name in ("gyro", "accel")] == [None, None]
+
+
+def test_a_temperature_in_a_unit_that_is_not_known_is_left_out():
+    assert meaning("Temp [0.01 degC]") is None
+    assert meaning("Temp [°C]").unit == "degC"
+
+
 def test_of_two_sensors_neither_is_taken():
     with pytest.raises(ValueError, match=r"--columns decides.*imu0_gyro_x.* or imu1_gyro_x"):
         assign(["time", *triad("imu0_gyro_{1}"), *triad("imu1_gyro_{1}")])

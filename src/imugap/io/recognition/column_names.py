@@ -10,7 +10,16 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from imugap import spelling
-from imugap.io.recognition.unit_text import COUNTS, INCREMENTS, QUANTITIES, quantity_of, unit_of
+from imugap.io.recognition.unit_text import (
+    COUNT_WORDS,
+    COUNTS,
+    INCREMENTS,
+    QUANTITIES,
+    is_foreign,
+    looks_like_unit,
+    quantity_of,
+    unit_of,
+)
 from imugap.log import ACCEL, COLUMNS, GYRO, TEMPERATURE, TIME
 from imugap.units import factor
 
@@ -89,8 +98,10 @@ BRACKET = re.compile(r"[\[(]\s*([^\[\]]*?)\s*[\])]\s*$")
 LETTERS = {"x": 0, "y": 1, "z": 2}
 AXES = LETTERS | {"0": 0, "1": 1, "2": 2, "3": 3}
 """Words of axes; a number beside a letter is that of a channel or a device. Numbers count from 0, or from 1 to 3."""
-QUOTIENT = re.compile(r".*[a-z°].*([/^²]|per).*", re.IGNORECASE)
-"""Texts in brackets that are units, if of no known one."""
+SHORT_WORD = re.compile(r"[A-Za-z]{2,3}")
+"""Words in square brackets that are units, if of no known one."""
+FRAME = re.compile(r"[FBLRUDNSEW]{2,3}|cal|imu|dev", re.IGNORECASE)
+"""Words in square brackets that say the axes or the device."""
 EXCERPT = 60
 
 
@@ -187,10 +198,12 @@ def meaning(name: str) -> Meaning | None:
         quantity = TIME
     if unit is None:
         words, unit = _unit_of_words(words, quantity)
+    if unit is None and quantity in TRIADS:
+        unit = _foreign_unit(base)
     if unit is None and DELTA & set(words):
         unit = INCREMENT.get(quantity)
     if unit is not None and quantity_of(unit) not in (quantity, *((None,) if quantity in TRIADS else ())):
-        return None if quantity in TRIADS else Meaning(quantity, None, None, tuple(words))
+        return None if quantity in (*TRIADS, TEMPERATURE) else Meaning(quantity, None, None, tuple(words))
     inertial = quantity in TRIADS
     if inertial and axis is None:
         return None
@@ -304,8 +317,21 @@ def _unbracketed(name: str) -> tuple[str, str | None]:
     found = BRACKET.search(name)
     if found is None or found[1].isdigit():
         return name, None
-    unit = unit_of(found[1])
-    return name[: found.start()], found[1] if unit is None and QUOTIENT.fullmatch(found[1]) else unit
+    text, unit = found[1], unit_of(found[1])
+    stated = looks_like_unit(text) or (found[0].startswith("[") and _is_short_unit(text))
+    return name[: found.start()], text if unit is None and stated else unit
+
+
+def _is_short_unit(text: str) -> bool:
+    """Return whether a text of two or three letters is no word of names of columns."""
+    known = {*QUANTITY, *OTHER, *DERIVED, *FREE, *COUNT_WORDS, *DELTA}
+    return SHORT_WORD.fullmatch(text) is not None and FRAME.fullmatch(text) is None and text.lower() not in known
+
+
+def _foreign_unit(base: str) -> str | None:
+    """Return the unit of no inertial sensor at the end of a name without brackets, such as mV, or None."""
+    *_, last = [part for part in re.split(r"[\W_]+", base) if part.lower() not in AXES] or [""]
+    return last if len(last) > 1 and last != base and is_foreign(last) else None
 
 
 def parts_of(name: str) -> tuple[list[str], str | None]:

@@ -31,7 +31,8 @@ SPELLINGS = {
 }
 BASES = {spelling: base for base, spellings in SPELLINGS.items() for spelling in spellings.split()}
 SHORT = {
-    "dps": "deg/s", "d/s": "deg/s", "mdps": "mdeg/s", "rpm": "rev/min", "gal": "cm/s^2", "mps2": "m/s^2",
+    "dps": "deg/s", "d/s": "deg/s", "mdps": "mdeg/s", "rpm": "rev/min", "gal": "cm/s^2", "mgal": "mGal",
+    "m gal": "mGal", "milli-g": "mg", "milli g": "mg", "mps2": "m/s^2",
     "mps 2": "m/s^2", "100ns": "100ns",
     "100 ns": "100ns",
 }  # fmt: skip
@@ -47,11 +48,17 @@ QUANTITIES = {
         "rad/s", "deg/s", "mrad/s", "urad/s", "mdeg/s", "deg/h", "deg/min", "arcsec/s", "rev/s", "rev/min", "rad",
         "deg",
     ),
-    "accel": ("m/s^2", "g", "mg", "ug", "cm/s^2", "mm/s^2", "ft/s^2", "m/s"),
+    "accel": ("m/s^2", "g", "mg", "ug", "cm/s^2", "mm/s^2", "mGal", "ft/s^2", "m/s"),
     "temperature": ("degC", "degF", "K"),
 }  # fmt: skip
 """Units of each quantity; those without the last time in them are of increments over the sampling interval."""
 INCREMENTS = ("rad", "deg", "m/s")
+PREFIX = r"(?:(?:milli|micro|nano|kilo|centi|deci)[ -]?|[munkMcd])?"
+FOREIGN = re.compile(rf"{PREFIX}(?:[Vv]|[Vv]olts?|Hz|hz|[Hh]ertz|N|[Nn]ewtons?|kgf|lbf|Pa|T|[Gg]auss|[Gg]al)|[mun]A|%")
+"""Units of other quantities than those of a log."""
+TEN = re.compile(r"(?:0?[.,]0*1|10+|1?[eE][-+]?\d+|10\^-?\d+)[ *·]*")
+"""A power of ten before a unit; other numbers are of a range, such as 16g."""
+QUOTIENT = re.compile(r".*[a-z°].*([/^²]|per).*", re.IGNORECASE)
 
 
 def unit_of(text: str) -> str | None:
@@ -78,6 +85,23 @@ def unit_of(text: str) -> str | None:
         else:
             return None
     return _written(exponents)
+
+
+def is_foreign(text: str) -> bool:
+    """Return whether a text is a unit of another quantity than those of a log, such as mV."""
+    return FOREIGN.fullmatch(text.strip()) is not None
+
+
+def looks_like_unit(text: str) -> bool:
+    """Return whether a text is written as units are, known or not: a quotient, a foreign unit, a multiple of a unit."""
+    plain = text.strip()
+    scaled, prefixed = TEN.sub("", plain, count=1), re.sub(f"^{PREFIX}", "", plain)
+    return (
+        QUOTIENT.fullmatch(plain) is not None
+        or is_foreign(scaled)
+        or quantity_of(unit_of(scaled) or "") is not None
+        or quantity_of(unit_of(prefixed) or "") in ("gyro", "accel")
+    )
 
 
 def quantity_of(unit: str) -> str | None:

@@ -101,7 +101,8 @@ def accel_unit(accel: np.ndarray, rate_hz: float, given: str | None, stated: str
         return Unit(given, OPTION)
     force = samples.force_of(accel) if accel.shape[1] == 3 else None
     if stated and quantity_of(stated) is None:
-        raise _unknown("accel", stated, None if force is None else samples.counts_of(force))
+        counts = samples.counts_of(force) if stated == COUNTS and force is not None else None
+        raise _unknown("accel", stated, counts)
     named = Unit(stated, "the header") if stated else Unit(SI["accel"]) if contract else None
     if force is None:
         if named is None:
