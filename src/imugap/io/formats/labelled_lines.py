@@ -13,7 +13,7 @@ import numpy as np
 
 from imugap.io.formats.source import Source
 from imugap.io.recognition.column_names import LETTERS, meaning
-from imugap.io.recognition.unit_text import looks_like_unit, unit_of
+from imugap.io.recognition.unit_text import looks_like_unit
 from imugap.log import LogError
 
 HEAD_BYTES = 1 << 14
@@ -72,7 +72,7 @@ def _record(held: list[str]) -> tuple[tuple[str, ...], list[str], int]:
         if labels and found[0] == labels[0]:
             return tuple(names), labels, count
         unit = UNIT.search(line)
-        known = f" [{unit[1]}]" if unit and (unit_of(unit[1]) or looks_like_unit(unit[1])) else ""
+        known = f" [{unit[1]}]" if unit and looks_like_unit(unit[1]) else ""
         for label in found:
             *words, last = label.split()
             stem = words if last.lower() in LETTERS and words else stem if label.lower() in LETTERS else []

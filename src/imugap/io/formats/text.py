@@ -21,7 +21,7 @@ import pyarrow.csv
 
 from imugap.io.formats import clock_text
 from imugap.io.formats.source import Source
-from imugap.io.recognition.unit_text import looks_like_unit, unit_of
+from imugap.io.recognition.unit_text import looks_like_unit
 from imugap.log import LogError
 
 HEAD_BYTES = 1 << 16
@@ -307,8 +307,7 @@ def _fitted(cells: list[str], width: int, trailing: bool) -> list[str]:
 def _are_units(cells: list[str]) -> bool:
     """Return whether cells are units, such as stand in the line below the names."""
     units = [text for cell in cells if (text := cell.strip("[]()"))]
-    known = sum(unit_of(unit) is not None or looks_like_unit(unit) for unit in units)
-    return 2 * known > len(units)
+    return 2 * sum(map(looks_like_unit, units)) > len(units)
 
 
 def _batches(path: Path, dialect: Dialect, columns: Sequence[int]) -> Iterator[list[np.ndarray]]:

@@ -97,7 +97,8 @@ def looks_like_unit(text: str) -> bool:
     plain = text.strip()
     scaled, prefixed = TEN.sub("", plain, count=1), re.sub(f"^{PREFIX}", "", plain)
     return (
-        QUOTIENT.fullmatch(plain) is not None
+        unit_of(plain) is not None
+        or QUOTIENT.fullmatch(plain) is not None
         or is_foreign(scaled)
         or quantity_of(unit_of(scaled) or "") is not None
         or quantity_of(unit_of(prefixed) or "") in ("gyro", "accel")
