@@ -6,7 +6,7 @@ import pytest
 from tests.io.devices import RATE, at_rest, times, turned, write_text
 
 from imugap.io.recognition.units import given_units
-from imugap.io.recording import RecordingSettings, read
+from imugap.io.recording import RecordingSettings, read, stream
 from imugap.log import ACCEL, AXES, GYRO, LogError
 from imugap.units import factor
 
@@ -321,3 +321,27 @@ def test_tenths_of_a_unit_are_counts_of_it_by_the_option(tmp_path):
     path = written(tmp_path, samples * np.repeat([1, 10], 3), header, accel="g")
     found = read(path, RecordingSettings(units=given_units(["accel=g/10"])))
     np.testing.assert_allclose(found.log.to_numpy(), samples, rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize(("last", "unit"), [(2, "rad/s"), (2, "deg/h"), (5, "m/s^2"), (5, "mg")])
+def test_each_axis_is_converted_by_its_own_unit(tmp_path, last, unit):
+    units = [*["deg/s"] * 3, *["g"] * 3]
+    units[last] = unit
+    header = ["t [s]", *(f"{name} [{one}]" for name, one in zip(AXES, units, strict=True))]
+    columns = np.column_stack([times(), turned() / np.array([factor(one) for one in units])])
+    path = write_text(tmp_path / "run.csv", header, columns)
+    found = read(path, RecordingSettings(frame="as-is"))
+    np.testing.assert_allclose(found.log.to_numpy(), turned(), rtol=1e-6, atol=1e-9)
+    assert f"{AXES[last]} {unit} from the header" in found.recognised
+    (part,) = stream(path, RecordingSettings(frame="as-is"))[1]
+    np.testing.assert_allclose(part.to_numpy(), turned(), rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize("unit", ["LSB", "foo", "m/s"])
+def test_axes_of_which_one_has_no_unit_of_an_acceleration_are_refused_and_the_option_decides(tmp_path, unit):
+    header = ["t [s]", *(f"gyro_{a} [rad/s]" for a in "xyz"), "ax [m/s^2]", "ay [m/s^2]", f"az [{unit}]"]
+    path = written(tmp_path, turned(), header)
+    with pytest.raises(LogError, match=r"--units accel= decides for all of them.*accel_y in m/s\^2, accel_z in "):
+        read(path)
+    found = read(path, RecordingSettings(units={"accel": "m/s^2"}, frame="as-is"))
+    np.testing.assert_allclose(found.log.to_numpy(), turned(), rtol=1e-6, atol=1e-9)

@@ -6,8 +6,8 @@ with the plainest name is taken.
 """
 
 import re
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from imugap import spelling
 from imugap.io.recognition.unit_text import (
@@ -162,6 +162,9 @@ class Assignment:
         points up in a device at rest, where the specific force is 1 g.
     unsigned
         Whether names are those of W3C DeviceMotion, of which browsers have either sign.
+    mixed
+        Canonical name of each axis of a triad in several units to its unit in the header, None where it has none; the
+        unit of the quantity is that of one of them.
     """
 
     columns: dict[str, str]
@@ -172,6 +175,7 @@ class Assignment:
     contract: bool = False
     downward: bool = False
     unsigned: bool = False
+    mixed: Mapping[str, str | None] = field(default_factory=dict)
 
 
 def meaning(name: str) -> Meaning | None:
@@ -217,14 +221,15 @@ def assign(names: Sequence[str]) -> Assignment:
         known |= _body_rates(names)
     columns: dict[str, str] = {}
     units: dict[str, str] = {}
+    mixed: dict[str, str | None] = {}
     free = False
     for quantity, axes in TRIADS.items():
         triad = _plainest({name: found for name, found in known.items() if found.quantity == quantity}, quantity)
         columns |= {axes[found.axis]: name for name, found in triad.items()}
-        stated = {found.unit for found in triad.values() if found.unit}
-        if len(stated) > 1:
-            raise ValueError(f"one unit for {', '.join(triad)}; found {', '.join(sorted(stated))}")
-        units |= dict.fromkeys([quantity] if stated else [], next(iter(stated), ""))
+        by_axis = {axes[found.axis]: found.unit for found in triad.values()}
+        stated = [unit for unit in by_axis.values() if unit]
+        units |= {quantity: stated[0]} if stated else {}
+        mixed |= by_axis if len({*stated}) > 1 else {}
         free |= any(found.free for found in triad.values())
     thermometers = _least([name for name, found in known.items() if found.quantity == TEMPERATURE], known)
     if len(thermometers) == 1:
@@ -238,7 +243,7 @@ def assign(names: Sequence[str]) -> Assignment:
     contract = all(name == of for name, of in ordered.items()) and (not times or TIME in times)
     downward = any(one.issubset(parts_of(name)[0]) for one in CORE_MOTION for name in names)
     unsigned = any(DEVICE_MOTION.issubset(parts_of(name)[0]) for name in ordered.values())
-    return Assignment(ordered, units, tuple(times), free, counters, contract, downward, unsigned)
+    return Assignment(ordered, units, tuple(times), free, counters, contract, downward, unsigned, mixed)
 
 
 def _counted_from_zero(known: dict[str, Meaning]) -> dict[str, Meaning]:

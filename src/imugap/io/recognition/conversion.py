@@ -78,10 +78,13 @@ def conversion(
         Name of the column of stamps; where there is none, the rate [Hz] and what states it.
     """
     contract = assignment.contract and not settings.columns
+    scales, mixed = _in_one_unit(assignment, settings)
+    values = {name: column * scales.get(name, 1.0) for name, column in values.items()}
     time_unit, said = _time_unit(values, raw, clock, assignment, settings)
     rate = clock[0] if time_unit is None else 1 / (stamps.step_of(raw) * factor(time_unit))
     accel, gyro = (_triad(values, axes) for axes in (ACCEL, GYRO))
     sizes, sentences, weightless = {}, [], False
+    both = all(one is not None and one.shape[1] == len(ACCEL) for one in (accel, gyro))
     if accel is not None:
         unit = units.accel_unit(accel, rate, settings.units.get("accel"), assignment.units.get("accel"), contract)
         unit = units.downward(unit) if assignment.downward and not settings.units.get("accel") else unit
@@ -90,7 +93,7 @@ def conversion(
         sentences += [] if unit.evidence is None else [unit.sentence("accel")]
         accel = accel * unit.to_si(rate) if accel.shape[1] == len(ACCEL) else None
     force = None if accel is None else samples.force_of(accel)
-    if accel is not None and gyro is not None and gyro.shape[1] == len(GYRO) and not settings.columns:
+    if both and not settings.columns:
         _require_turns(gyro, accel, rate)
     if gyro is not None:
         promised = all(name == of for name, of in assignment.columns.items() if name in GYRO) and not settings.columns
@@ -109,7 +112,22 @@ def conversion(
         sizes[TEMPERATURE], offsets[TEMPERATURE] = units.to_celsius(unit)
         sentences += [] if unit.name == units.SI[TEMPERATURE] else [unit.sentence(TEMPERATURE)]
     axes, words = _frame(force, settings)
-    return Conversion(rate, time_unit, sizes, axes, (*said, *sentences, *words), weightless, offsets)
+    sizes = {name: size * scales.get(name, 1.0) for name, size in sizes.items()}
+    return Conversion(rate, time_unit, sizes, axes, (*said, *sentences, *mixed, *words), weightless, offsets)
+
+
+def _in_one_unit(assignment: Assignment, settings: RecordingSettings) -> tuple[dict[str, float], tuple[str, ...]]:
+    """Return the factor of each axis to the unit of its triad, where the header gives several, and what was done."""
+    scales: dict[str, float] = {}
+    sentences = []
+    for quantity, axes in units.TRIADS.items():
+        stated = {name: assignment.mixed[name] for name in axes if name in assignment.mixed}
+        if stated and not settings.units.get(quantity):
+            unit = assignment.units[quantity]
+            scales |= units.in_one_unit(quantity, unit, stated)
+            others = ", ".join(f"{name} {one}" for name, one in stated.items() if one != unit)
+            sentences += [f"{others} from the header"]
+    return scales, tuple(sentences)
 
 
 def asked(function, place: str, *arguments):

@@ -4,6 +4,7 @@ A header or the contract that physics contradicts is refused; so is what nothing
 """
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -189,6 +190,19 @@ def gyro_unit(
     if found.unit == "deg/s":
         return Unit(named.name, f"{named.evidence or 'its name'}, though {found.reason} is that of deg/s")
     return named
+
+
+def in_one_unit(quantity: str, unit: str, stated: Mapping[str, str | None]) -> dict[str, float]:
+    """Return the factor of each axis of a triad to one unit, from those that the header gives; LogError for others.
+
+    ``stated``: canonical name of the axis to its unit.
+    """
+    known = [one for one in stated.values() if one in QUANTITIES[quantity]]
+    if len(known) < len(stated) or len({one in INCREMENTS for one in known}) > 1:
+        found = ", ".join(f"{axis} in {one or 'none'}" for axis, one in stated.items())
+        expected = f"a known unit for each axis (--units {quantity}= decides for all of them)"
+        raise LogError("log", PLACES[quantity], expected, found)
+    return {axis: factor(one) / factor(unit) for axis, one in stated.items()}
 
 
 def _unknown(quantity: str, unit: str, reading: str | None) -> LogError:
