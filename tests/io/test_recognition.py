@@ -345,3 +345,25 @@ def test_axes_of_which_one_has_no_unit_of_an_acceleration_are_refused_and_the_op
         read(path)
     found = read(path, RecordingSettings(units={"accel": "m/s^2"}, frame="as-is"))
     np.testing.assert_allclose(found.log.to_numpy(), turned(), rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize("header", [CONTRACT, NAMELESS])
+@pytest.mark.parametrize("unit", ["m/s^2", "g"])
+def test_exchanged_names_of_rates_and_forces_are_refused(tmp_path, header, unit):
+    samples = at_rest()[:, [3, 4, 5, 0, 1, 2]] / np.repeat([factor(unit), 1], 3)
+    path = written(tmp_path, samples, header)
+    with pytest.raises(LogError, match=r"--columns names them.*norm of .*of gravity, in the rates.*exchanged names\?"):
+        read(path)
+    columns = tuple(f"{name}={of}" for name, of in zip(["time", *ACCEL, *GYRO], header, strict=True))
+    found = read(path, RecordingSettings(columns=columns, units={"gyro": "rad/s", "accel": unit}, frame="as-is"))
+    np.testing.assert_allclose(found.log[list(AXES)].to_numpy(), at_rest(), rtol=1e-6, atol=1e-8)
+
+
+@pytest.mark.parametrize("rate", [9.80665, np.radians(9.80665), 1.0])
+def test_a_device_that_turns_by_the_number_of_gravity_has_its_own_names(tmp_path, rate):
+    samples = at_rest(up=(0, 0, -1))
+    samples[:, 2] += rate
+    for accel in ("m/s^2", "g"):
+        header = ["t [s]", *(f"gyro_{a} [deg/s]" for a in "xyz"), *(f"accel_{a} [{accel}]" for a in "xyz")]
+        path = written(tmp_path, samples, header, gyro="deg/s", accel=accel)
+        np.testing.assert_allclose(read(path).log.to_numpy(), samples, rtol=1e-6, atol=1e-9)

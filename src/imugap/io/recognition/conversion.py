@@ -85,6 +85,8 @@ def conversion(
     accel, gyro = (_triad(values, axes) for axes in (ACCEL, GYRO))
     sizes, sentences, weightless = {}, [], False
     both = all(one is not None and one.shape[1] == len(ACCEL) for one in (accel, gyro))
+    if both and not settings.columns:
+        units.require_own_names(gyro, accel, rate)
     if accel is not None:
         unit = units.accel_unit(accel, rate, settings.units.get("accel"), assignment.units.get("accel"), contract)
         unit = units.downward(unit) if assignment.downward and not settings.units.get("accel") else unit

@@ -205,6 +205,19 @@ def in_one_unit(quantity: str, unit: str, stated: Mapping[str, str | None]) -> d
     return {axis: factor(one) / factor(unit) for axis, one in stated.items()}
 
 
+def require_own_names(gyro: np.ndarray, accel: np.ndarray, rate_hz: float) -> None:
+    """Raise a LogError where the rates have the norm of gravity and the accelerations have none, shape (n, 3)."""
+    rate, force = samples.force_of(gyro), samples.force_of(accel)
+    if rate is None or force is None or rate.scatter > samples.CONSTANT:
+        return
+    steady = force.scatter < samples.CONSTANT
+    held = steady and (samples.gravity_units(force) or samples.are_increments(force, rate_hz))
+    if samples.gravity_units(rate) and not held and force.quiet < samples.NONE_LEFT * rate.quiet:
+        expected = "angular rates in gyro_x to gyro_z, specific force in accel_x to accel_z (--columns names them)"
+        found = f"a norm of {rate.quiet:.4g}, of gravity, in the rates, and none in the accelerations: exchanged names?"
+        raise LogError("log", "columns", expected, found)
+
+
 def _unknown(quantity: str, unit: str, reading: str | None) -> LogError:
     """Return the error of a unit in the header that is none of the quantity."""
     expected = f"one of {', '.join(QUANTITIES[quantity])} (--units {quantity}= decides)"
