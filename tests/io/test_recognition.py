@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from tests.io.devices import RATE, at_rest, times, turned, write_text
+from tests.io.devices import GYRO_N, RATE, at_rest, times, turned, write_text
 
 from imugap.io.recognition.units import given_units
 from imugap.io.recording import RecordingSettings, read, stream
@@ -25,7 +25,14 @@ def written(path, samples, header=CONTRACT, gyro="rad/s", accel="m/s^2"):
 @pytest.mark.parametrize("device", [at_rest, turned])
 def test_units_follow_from_physics_where_no_name_says_them(tmp_path, device, gyro, accel):
     samples = device()
-    found = read(written(tmp_path, samples, NAMELESS, gyro, accel), RecordingSettings(frame="as-is"))
+    path = written(tmp_path, samples, NAMELESS, gyro, accel)
+    if device is at_rest and gyro == "rad/s" and accel in ("g", "mg"):
+        with pytest.raises(
+            LogError, match=r"--units gyro=rad/s or gyro=deg/s decides.*quieter gyroscope in deg/s, beside"
+        ):
+            read(path)
+        return
+    found = read(path, RecordingSettings(frame="as-is"))
     np.testing.assert_allclose(found.log.to_numpy(), samples, rtol=1e-6, atol=1e-9)
     assert any(sentence.startswith(f"gyro {gyro}") for sentence in found.recognised)
     assert f"accel {accel}{'' if accel == 'm/s^2' else ' -> m/s^2'} from gravity" in found.recognised
@@ -184,6 +191,7 @@ def test_forces_in_whole_numbers_are_mg_or_counts(tmp_path, per_g, reading):
     samples[:, 3:] = np.round(samples[:, 3:] / 9.80665 * per_g)
     path = written(tmp_path, samples, NAMELESS)
     if reading is None:
+        path = written(tmp_path, samples, NAMELESS, gyro="deg/s")
         assert "accel mg -> m/s^2 from gravity" in read(path).recognised
         return
     with pytest.raises(LogError, match=reading):
@@ -367,3 +375,66 @@ def test_a_device_that_turns_by_the_number_of_gravity_has_its_own_names(tmp_path
         header = ["t [s]", *(f"gyro_{a} [deg/s]" for a in "xyz"), *(f"accel_{a} [{accel}]" for a in "xyz")]
         path = written(tmp_path, samples, header, gyro="deg/s", accel=accel)
         np.testing.assert_allclose(read(path).log.to_numpy(), samples, rtol=1e-6, atol=1e-9)
+
+
+def quiet(density):
+    """Samples of a device at rest whose gyroscopes have a noise of this density [rad/s/sqrt(Hz)]."""
+    samples = at_rest()
+    samples[:, :3] *= density / GYRO_N
+    samples[:, :3] += np.array([2e-4, 3e-4, -1e-4])
+    return samples
+
+
+BOTH = r"--units gyro=rad/s or gyro=deg/s decides.*found "
+
+
+@pytest.mark.parametrize("density", [5e-6, 1.2e-5, 2e-5])
+def test_a_quiet_gyroscope_in_degrees_beside_accelerations_in_g_is_refused(tmp_path, density):
+    path = written(tmp_path, quiet(density), NAMELESS, "deg/s", "g")
+    with pytest.raises(LogError, match=BOTH):
+        read(path)
+    found = read(path, RecordingSettings(units={"gyro": "deg/s"}, frame="as-is"))
+    np.testing.assert_allclose(found.log.to_numpy(), quiet(density), rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize("density", [5e-5, 8e-5])
+def test_a_noise_of_no_gyroscope_in_radians_is_of_one_in_degrees(tmp_path, density):
+    found = read(written(tmp_path, quiet(density), NAMELESS, "deg/s", "g"), RecordingSettings(frame="as-is"))
+    np.testing.assert_allclose(found.log.to_numpy(), quiet(density), rtol=1e-6, atol=1e-9)
+
+
+def test_the_noise_of_a_mems_in_radians_is_taken_and_the_other_reading_said(tmp_path):
+    found = read(written(tmp_path, quiet(3e-4), NAMELESS), RecordingSettings(frame="as-is"))
+    np.testing.assert_allclose(found.log.to_numpy(), quiet(3e-4), rtol=1e-6, atol=1e-9)
+    (sentence,) = [one for one in found.recognised if one.startswith("gyro rad/s from noise at rest")]
+    assert sentence.endswith("or of a quieter gyroscope in deg/s (--units gyro=deg/s)")
+
+
+@pytest.mark.parametrize(("gyro", "density"), [("rad/s", 2e-6), ("rad/s", 2e-5), ("deg/s", 2e-7)])
+def test_a_noise_below_that_of_a_mems_in_radians_is_refused(tmp_path, gyro, density):
+    with pytest.raises(LogError, match=BOTH + "rates that may be in rad/s or in deg/s"):
+        read(written(tmp_path, quiet(density), NAMELESS, gyro))
+
+
+def test_a_noise_of_no_gyroscope_in_degrees_is_of_one_in_radians(tmp_path):
+    found = read(written(tmp_path, quiet(5e-7), NAMELESS), RecordingSettings(frame="as-is"))
+    np.testing.assert_allclose(found.log.to_numpy(), quiet(5e-7), rtol=1e-6, atol=1e-9)
+
+
+def test_columns_that_look_like_a_missing_triad_are_said_and_taken_by_name(tmp_path):
+    samples = at_rest(up=(0, 0, -1))
+    header = ["t [s]", *(f"gyro_{a} [rad/s]" for a in "xyz"), *(f"{a} force [g]" for a in ("Long", "Side", "Down"))]
+    path = written(tmp_path, samples, header, accel="g")
+    (sentence,) = [one for one in read(path).recognised if "lacks axes" in one]
+    assert sentence.startswith("accel lacks axes, though Long force [g], Side force [g], Down force [g] may be some")
+    found = read(path, RecordingSettings(columns=tuple(CONTRACT), units={"gyro": "rad/s", "accel": "g"}))
+    np.testing.assert_allclose(found.log.to_numpy(), samples, rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize("stated", [False, True])
+def test_increments_of_angle_and_velocity_become_rates_and_forces(tmp_path, stated):
+    samples = at_rest(up=(0, 0, -1))
+    units = (" [rad]", " [m/s]") if stated else ("", "")
+    header = ["t [s]", *(f"{name}{a}{unit}" for name, unit in zip(("dAng", "dVel"), units, strict=True) for a in "XYZ")]
+    found = read(written(tmp_path, samples / RATE, header))
+    np.testing.assert_allclose(found.log.to_numpy(), samples, rtol=1e-6, atol=1e-8)

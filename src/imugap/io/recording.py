@@ -158,7 +158,7 @@ def stream(path: str | Path, settings: RecordingSettings = DEFAULTS) -> tuple[Co
         found = _conversion(selection, excerpt, raw, settings)
     except LogError as error:
         raise LogError(path, error.place, error.expected, error.found) from error
-    said = replace(found, recognised=(*source.notes, *found.recognised, *_left_out(selection)))
+    said = replace(found, recognised=(*source.notes, *found.recognised, *_unread(selection), *_left_out(selection)))
     return said, _parts(source, selection, found)
 
 
@@ -222,7 +222,7 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
         return Recording(source.path, table.set_index(pd.Index(raw, name=TIME)), place=source.place)
     found = _conversion(selection, excerpt, raw, settings)
     time = found.apply(dict(zip(columns, block, strict=True)), raw)
-    said = (*found.recognised, *_left_out(selection), *_filled(filler, source))
+    said = (*found.recognised, *_unread(selection), *_left_out(selection), *_filled(filler, source))
     if said or not selection.assignment.contract or settings.columns or source.notes:
         said = (f"{found.rate_hz:.5g} Hz", f"{len(time):,} samples".replace(",", " "), *source.notes, *said)
     table = table.set_index(pd.Index(time, name=TIME))
@@ -358,6 +358,15 @@ def _first_stamps(source: Source, place: int) -> np.ndarray:
         return source.head([place], SAMPLE_ROWS)[0].astype(float)
     except LogError:
         return np.empty(0)
+
+
+def _unread(selection: Selection) -> tuple[str, ...]:
+    """Return what looks like axes of a sensor that are not read, sentences."""
+    alike = column_names.unread([name for name in selection.names if name], selection.assignment)
+    return tuple(
+        f"{quantity} lacks axes, though {', '.join(names[:SHOWN])} may be some (--columns with a name for each column)"
+        for quantity, names in alike.items()
+    )
 
 
 def _left_out(selection: Selection) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
 import pytest
 
-from imugap.io.recognition.column_names import assign, chosen, meaning
+from imugap.io.recognition.column_names import assign, chosen, meaning, unread
 from imugap.log import ACCEL, AXES, GYRO
 
 XYZ = "XYZ"
@@ -95,6 +95,30 @@ def test_increments_are_known_by_their_names():
     found = assign(["timestamp", *triad("delta_angle[{2}]"), *triad("delta_velocity[{2}]"), "delta_angle_dt"])
     assert found.units == {"gyro": "rad", "accel": "m/s"}
     assert tuple(found.columns) == AXES
+
+
+@pytest.mark.parametrize(
+    ("angles", "velocities"),
+    [("dAng{0}", "dVel{0}"), ("DelAng{0}", "DelVel{0}"), ("delta_angle_{1}", "delta_velocity_{1}"),
+     ("dtheta_{1}", "dv_{1}"), ("delang_{1}", "delvel_{1}"), ("dTheta{0}", "dV{0}"), ("dang{1}", "dvel{1}"),
+     ("DeltaTheta{0}", "DeltaV{0}"), ("imu.delAng[{2}]", "imu.delVel[{2}]"), ("AngInc_{0}", "VelInc_{0}")],
+)  # fmt: skip
+def test_increments_have_many_names(angles, velocities):
+    found = assign(["time", *triad(angles), *triad(velocities)])
+    assert list(found.columns.values()) == [*triad(angles), *triad(velocities)]
+    assert found.units == {"gyro": "rad", "accel": "m/s"}
+    stated = assign(["time", *triad(angles + " [deg]"), *triad(velocities + " [m/s]")])
+    assert stated.units == {"gyro": "deg", "accel": "m/s"}
+
+
+def test_names_that_look_like_the_missing_axes_are_found():
+    forces = [f"{axis} acceleration [g]" for axis in ("Longitudinal", "Lateral", "Vertical")]
+    names = ["time", *triad("gyro_{1} [rad/s]"), *forces, "sample rate", "Vertical speed"]
+    assert unread(names, assign(names)) == {"accel": forces}
+    assert not unread(names[:5], assign(names[:5]))
+    assert not unread([*names, *triad("acc_{1}")], assign([*names, *triad("acc_{1}")]))
+    names = ["time", "gyro_x", "gyro_y", "gyro_vertical", *triad("acc_{1}")]
+    assert unread(names, assign(names)) == {"gyro": ["gyro_vertical"]}
 
 
 @pytest.mark.parametrize("names", [triad("FreeAcc_{0}"), triad("userAcceleration{0}(G)")])

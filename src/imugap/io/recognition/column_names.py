@@ -73,23 +73,20 @@ GREEK = {"alpha": "x", "beta": "y", "gamma": "z"}
 ROTATION_RATE = frozenset(["rotation", "rate"])
 FLIGHT = {"roll": "x", "pitch": "y", "yaw": "z"}
 """Axes of the rates that are named by the angle that they turn, such as ``roll_rate``."""
-DELTA = frozenset(["delta", "d", "inc", "increment", "dtheta", "dv", "dvel", "da", "coning", "sculling"])
+DELTA = frozenset(["delta", "del", "d", "inc", "increment", "increments", "da", "coning", "sculling"])
 """Words of increments over the sampling interval."""
 DELTAS = {
-    "angle": "gyro",
-    "theta": "gyro",
-    "dtheta": "gyro",
-    "velocity": "accel",
-    "vel": "accel",
-    "dv": "accel",
-    "dvel": "accel",
+    **dict.fromkeys(("angle", "angles", "ang", "theta"), "gyro"),
+    **dict.fromkeys(("velocity", "velocities", "vel", "v"), "accel"),
 }
+"""What increments are of; ``dvel`` and ``delang`` are two words."""
 INCREMENT = {"gyro": "rad", "accel": "m/s"}
 """Units of increments that the names do not give."""
 BODY_RATES = ("p", "q", "r")
 """Rates of roll, pitch and yaw, as flight dynamics names them."""
 COMPACT = re.compile(r"(gyroscope|gyros|gyro|gyr|acceleration|accel|accs|acc|omega|ac|gy|gf|w|a|g|f)([xyz])")
 AXIS_FIRST = re.compile(r"([xyz])(gyroscope|gyros|gyro|gyr|acceleration|accel|accl|accs|acc|mag)")
+COMPACT_DELTA = re.compile(rf"(delta|del|d|inc)({'|'.join(DELTAS)})([xyz]?)")
 COUNTED = ("lsb", "lsbs", "counts")
 """Last words of the names of counts."""
 ABSCISSA = "x_value"
@@ -202,10 +199,10 @@ def meaning(name: str) -> Meaning | None:
         quantity = TIME
     if unit is None:
         words, unit = _unit_of_words(words, quantity)
-    if unit is None and quantity in TRIADS:
-        unit = _foreign_unit(base)
     if unit is None and DELTA & set(words):
         unit = INCREMENT.get(quantity)
+    if unit is None and quantity in TRIADS:
+        unit = _foreign_unit(base)
     if unit is not None and quantity_of(unit) not in (quantity, *((None,) if quantity in TRIADS else ())):
         return None if quantity in (*TRIADS, TEMPERATURE) else Meaning(quantity, None, None, tuple(words))
     inertial = quantity in TRIADS
@@ -267,6 +264,21 @@ def _body_rates(names: Sequence[str]) -> dict[str, Meaning]:
             axis = BODY_RATES.index(letter.lower())
             groups.setdefault(group, {})[name] = Meaning("gyro", axis, unit, tuple(words_of(group)))
     return {name: one for found in groups.values() if len(found) == len(BODY_RATES) for name, one in found.items()}
+
+
+def unread(names: Sequence[str], assignment: Assignment) -> dict[str, list[str]]:
+    """Return names that look like the axes of a triad of which not all axes are read, by its quantity."""
+    lacking = {quantity: len({*axes} - {*assignment.columns}) for quantity, axes in TRIADS.items()}
+    others = [name for name in names if name not in assignment.columns.values() and meaning(name) is None]
+    found = {quantity: [name for name in others if _resembles(name, quantity)] for quantity in lacking}
+    return {quantity: alike for quantity, alike in found.items() if len(alike) >= lacking[quantity] > 0}
+
+
+def _resembles(name: str, quantity: str) -> bool:
+    """Return whether the words of a name that has no axis are of a quantity, and no unit in it is of another."""
+    words, unit = parts_of(name)
+    of_words = _quantity(words) if set(words) & {*QUANTITY, *DELTAS} else None
+    return of_words == quantity and (unit is None or quantity_of(unit) in (quantity, None))
 
 
 def stated_unit(name: str) -> str | None:
@@ -355,9 +367,9 @@ def words_of(base: str) -> list[str]:
 
 
 def _compact(word: str) -> list[str]:
-    """Return the quantity and the axis that a word is made of; none if it is of none."""
-    found = COMPACT.fullmatch(word) or AXIS_FIRST.fullmatch(word)
-    return list(found.groups()) if found else []
+    """Return the quantity, or the words of an increment, and the axis that a word is made of; none if of none."""
+    found = COMPACT.fullmatch(word) or AXIS_FIRST.fullmatch(word) or COMPACT_DELTA.fullmatch(word)
+    return [part for part in found.groups() if part] if found else []
 
 
 def _quantity(words: list[str]) -> str | None:

@@ -35,6 +35,11 @@ SHORTEST_S, LONGEST_S, DAY_S = 1.0, 10 * 86400.0, 86400.0
 """Lengths below and above which nobody keeps a log without another stamp [s]."""
 SHAKEN = 0.05
 """Noise density of the specific force [m/s^2/sqrt(Hz)] above which a device shakes."""
+QUIETEST_MEMS = 3e-5
+"""Noise density of the quietest MEMS gyroscopes [rad/s/sqrt(Hz)].
+
+A lower number is that of a fibre-optic gyroscope in rad/s or of a ring laser in deg/s.
+"""
 FEWEST_BLOCKS = 4
 EARTH_RAD_PER_S = 7.292115e-5
 EARTH_TOLERANCE = 1.1
@@ -332,8 +337,8 @@ def _at_rest(gyro: np.ndarray, accel: np.ndarray | None, rate_hz: float) -> Rate
     ]
     if earth == ["rad/s"]:
         return RateEvidence("rad/s", "Earth rate", strong=False)
-    if density < SOFT and not earth:
-        return RateEvidence("rad/s", f"noise at rest of {density:.2g} per sqrt(Hz)", strong=False)
+    if not earth and (QUIETEST_MEMS < density < SOFT or density * factor("deg/s") < SOFTEST):
+        return RateEvidence("rad/s", f"noise at rest of {density:.2g} per sqrt(Hz)", strong=False, noise=True)
     return None
 
 
