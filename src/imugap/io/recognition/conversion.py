@@ -83,7 +83,7 @@ def conversion(
     time_unit, said = _time_unit(values, raw, clock, assignment, settings)
     rate = clock[0] if time_unit is None else 1 / (stamps.step_of(raw) * factor(time_unit))
     accel, gyro = (_triad(values, axes) for axes in (ACCEL, GYRO))
-    sizes, sentences, weightless, in_g = {}, [], False, False
+    sizes, sentences, weightless = {}, [], False
     both = all(one is not None and one.shape[1] == len(ACCEL) for one in (accel, gyro))
     if both and not settings.columns:
         units.require_own_names(gyro, accel, rate)
@@ -91,7 +91,6 @@ def conversion(
         unit = units.accel_unit(accel, rate, settings.units.get("accel"), assignment.units.get("accel"), contract)
         unit = units.downward(unit) if assignment.downward and not settings.units.get("accel") else unit
         unit = units.signed(unit) if assignment.unsigned else unit
-        in_g = unit.name in units.GRAVITIES
         sizes |= dict.fromkeys(ACCEL, unit.to_si(rate))
         sentences += [] if unit.evidence is None else [unit.sentence("accel")]
         accel = accel * unit.to_si(rate) if accel.shape[1] == len(ACCEL) else None
@@ -101,7 +100,7 @@ def conversion(
     if gyro is not None:
         promised = all(name == of for name, of in assignment.columns.items() if name in GYRO) and not settings.columns
         given, stated = settings.units.get("gyro"), assignment.units.get("gyro")
-        unit = units.gyro_unit(gyro, accel, rate, given, stated, contract, promised, in_g)
+        unit = units.gyro_unit(gyro, accel, rate, given, stated, contract, promised)
         sizes |= dict.fromkeys(GYRO, unit.to_si(rate))
         sentences = [*([] if unit.evidence is None else [unit.sentence("gyro")]), *sentences]
     if assignment.free or (force is not None and units.without_gravity(force, 1.0)):

@@ -24,8 +24,6 @@ PLACES = {"gyro": "columns gyro_x to gyro_z", "accel": "columns accel_x to accel
 TRIADS = {"gyro": GYRO, "accel": ACCEL}
 OPPOSITE = "-"
 """Before the unit of a quantity of the other sign, such as accelerations in which gravity points down."""
-GRAVITIES = ("g", "mg", "ug")
-"""Units of accelerations by gravity."""
 OPTION = "the option"
 COUNTED_RATES = "counts of a converter (--units gyro=deg/s/131 for 131 counts per deg/s)"
 
@@ -155,7 +153,6 @@ def gyro_unit(
     stated: str | None,
     contract: bool,
     canonical: bool = False,
-    in_g: bool = False,
 ) -> Unit:
     """Return the unit of angular rates, shape (n, axes); LogError where nothing decides or physics contradicts.
 
@@ -165,8 +162,6 @@ def gyro_unit(
         Specific force [m/s^2], shape (n, 3), or None.
     canonical
         Whether their names alone are those of the contract: then a noise of deg/s does not decide.
-    in_g
-        Whether the accelerations are in g, which loggers write beside deg/s: then a noise of rad/s does not decide.
     """
     if given:
         return Unit(given, OPTION)
@@ -187,10 +182,8 @@ def gyro_unit(
         if loud is not None:
             raise _undecided("gyro", f"noise at rest of {loud:.2g} per sqrt(Hz), too much for deg/s (mdeg/s? deg/h?)")
         if found.unit == "rad/s" and found.noise:
-            other = f"{found.reason}, of a MEMS in rad/s, or of a quieter gyroscope in deg/s"
-            if in_g and not canonical:
-                raise _undecided("gyro", f"{other}, beside accelerations in g")
-            return Unit(found.unit, f"{other} (--units gyro=deg/s)")
+            other = "of a MEMS in rad/s, or of a quieter gyroscope in deg/s (--units gyro=deg/s)"
+            return Unit(found.unit, f"{found.reason}, {other}")
         return Unit(found.unit, found.reason)
     if found is None or found.unit == named.name:
         return named
