@@ -43,6 +43,8 @@ LARGEST_WHOLE = 2**62
 """Stamps below it are kept as whole numbers."""
 ALL = 1, 1
 """Rows of one device (:attr:`imugap.io.recognition.settings.RecordingSettings.rows`)."""
+CLOCK_WORDS = frozenset(["date", "time", "clock", "datum", "hhmmss", "utc"])
+"""Words of columns that may be stamps."""
 SHOWN = 3
 """Columns that are left out and named."""
 
@@ -166,7 +168,7 @@ def stream(path: str | Path, settings: RecordingSettings = DEFAULTS) -> tuple[Co
 class Selection:
     """Columns of a file that are read: names, positions, that of the stamps, or the rate and what states it.
 
-    ``whole``: whether the stamps are written as whole numbers.
+    ``whole``: whether the stamps are written as whole numbers; ``clock``: whether they are times as texts.
     """
 
     names: tuple[str, ...]
@@ -174,6 +176,7 @@ class Selection:
     stamp: int | None
     rate: tuple[float, str] | None
     whole: bool
+    clock: bool
 
     @property
     def places(self) -> list[int]:
@@ -262,13 +265,16 @@ def _selected(source: Source, settings: RecordingSettings) -> Selection:
     stamp = _time_column(source, names, assignment, settings)
     given = (settings.rate_hz, "the option") if settings.rate_hz else source.rate
     whole = stamp is not None and source.names[stamp] in source.whole
-    return Selection(tuple(names), assignment, stamp, given if stamp is None else None, whole)
+    return Selection(
+        tuple(names), assignment, stamp, given if stamp is None else None, whole, stamp in source.clocks
+    )  # fmt: skip
 
 
 def _conversion(selection: Selection, excerpt: dict, raw: np.ndarray | None, settings: RecordingSettings) -> Conversion:
     if selection.whole and (np.abs(raw) < LARGEST_WHOLE).all() and (raw == np.rint(raw)).all():
         raw = raw.astype(np.int64)
-    return conversion(excerpt, raw, selection.stamp_name or selection.rate, selection.assignment, settings)
+    clock = selection.stamp_name or selection.rate
+    return conversion(excerpt, raw, clock, selection.assignment, settings, selection.clock)
 
 
 def _require_one_device(source: Source, stretches: list, selection: Selection, settings: RecordingSettings) -> None:
@@ -337,11 +343,12 @@ def _time_column(source: Source, names: list[str], assignment: Assignment, setti
     if settings.rate_hz:
         return None
     places = [names.index(name) for name in ((TIME,) if TIME in names else assignment.times)]
+    places = places or [place for place in source.clocks if names[place] != SKIP]
     if not places and source.rate:
         return None
     if not places:
         counter = f"; {assignment.counters[0]!r} counts samples and is no clock" if assignment.counters else ""
-        found = f"{', '.join(assignment.columns.values())[:120]}{counter}"
+        found = f"{', '.join(assignment.columns.values())[:120]}{counter}{_other_clocks(source, names, assignment)}"
         raise LogError(
             source.path, source.heading, "stamps (--columns time=NAME), or the rate of the samples (--rate HZ)", found
         )
@@ -350,6 +357,19 @@ def _time_column(source: Source, names: list[str], assignment: Assignment, setti
     if source.rate and all(values is not None and not np.isfinite(values).any() for values in found):
         return None
     return places[steady.index(True) if True in steady else 0]
+
+
+def _other_clocks(source: Source, names: list[str], assignment: Assignment) -> str:
+    """Return which other columns advance as stamps do, in words."""
+    read = {*assignment.columns.values(), *assignment.counters, SKIP, ""}
+    others = [name for place, name in enumerate(names) if name not in read and _may_be_clock(source, place)]
+    return f"; {', '.join(map(repr, others[:SHOWN]))} may be the stamps" if others else ""
+
+
+def _may_be_clock(source: Source, place: int) -> bool:
+    """Return whether a column has a word of a clock in its name, or advances."""
+    words = set(column_names.words_of(source.names[place]))
+    return bool(words & CLOCK_WORDS) or stamps.advances(_first_stamps(source, place))
 
 
 def _first_stamps(source: Source, place: int) -> np.ndarray:

@@ -112,15 +112,22 @@ def open_source(path: Path, settings) -> Source:
         raise LogError(
             path, place(path, dialect, len(dialect.sample) - 1), expected, f"the end of the file after {last!r}"
         )
+    orders = _orders(path, dialect)
+    dated = [
+        order.sentence(dialect.names[k] or f"column {k + 1}")
+        for k, order in orders.items()
+        if isinstance(order, clock_text.Order)
+    ]
     return Source(
         path,
         dialect.names,
         _lines(path),
-        lambda columns: _batches(path, dialect, columns),
+        lambda columns: _batches(path, dialect, columns, orders),
         lambda row: place(path, dialect, row),
-        notes=(UNENDED,) if rest else (),
+        notes=(*([UNENDED] if rest else []), *dated),
         heading=f"line {max(dialect.first, 1)}",
         whole=frozenset(name for k, name in enumerate(dialect.names) if _is_whole(dialect, k)),
+        clocks=frozenset(k for k in range(len(dialect.names)) if _is_clock(dialect, k)),
         rate=dialect.rate,
         cells=lambda column: _texts(path, dialect, column),
     )
@@ -310,12 +317,34 @@ def _are_units(cells: list[str]) -> bool:
     return 2 * sum(unit is not None for unit in units) > len(units)
 
 
-def _batches(path: Path, dialect: Dialect, columns: Sequence[int]) -> Iterator[list[np.ndarray]]:
+def _orders(path: Path, dialect: Dialect) -> dict[int, clock_text.Order | str]:
+    """Return the order of day, month and year of the columns of such dates, or why it is not known."""
+    orders: dict[int, clock_text.Order | str] = {}
+    for column in range(len(dialect.names)):
+        if not pa.types.is_string(_kind(dialect, column)):
+            continue
+        try:
+            order = clock_text.order_of(batch[column] for batch in _read(path, dialect, {column: pa.string()}))
+            orders |= {} if order is None else {column: order}
+        except pa.ArrowInvalid:
+            continue
+        except ValueError as error:
+            orders[column] = str(error)
+    return orders
+
+
+def _batches(
+    path: Path, dialect: Dialect, columns: Sequence[int], orders: Mapping[int, clock_text.Order | str]
+) -> Iterator[list[np.ndarray]]:
     """Yield the numbers of columns, shape (n,); dates are nanoseconds since 1970, times of day since midnight."""
     kinds = {column: _kind(dialect, column) for column in columns}
+    for column in columns:
+        if isinstance(why := orders.get(column), str):
+            expected, _, found = why.partition("; found ")
+            raise LogError(path, f"column {dialect.names[column] or column + 1}", expected, found)
     try:
         for batch in _read(path, dialect, kinds):
-            yield [_numbers(batch[k]) for k in columns]
+            yield [_numbers(batch[k], orders.get(k)) for k in columns]
     except pa.ArrowInvalid as error:
         raise _diagnosis(path, dialect, columns, str(error)) from error
 
@@ -368,6 +397,12 @@ def _kind(dialect: Dialect, column: int) -> pa.DataType:
     return pa.float64()
 
 
+def _is_clock(dialect: Dialect, column: int) -> bool:
+    """Return whether a column is of times as texts."""
+    kind = _kind(dialect, column)
+    return pa.types.is_string(kind) or pa.types.is_timestamp(kind)
+
+
 def _is_readable(cell: str, kind: pa.DataType) -> bool:
     """Return whether a cell is a value of the kind of its column."""
     if pa.types.is_string(kind):
@@ -377,11 +412,11 @@ def _is_readable(cell: str, kind: pa.DataType) -> bool:
     return _is_number(cell)
 
 
-def _numbers(values: pa.Array) -> np.ndarray:
+def _numbers(values: pa.Array, order: clock_text.Order | None) -> np.ndarray:
     if pa.types.is_timestamp(values.type):
         values = values.cast(pa.int64())
     if pa.types.is_string(values.type):
-        return clock_text.nanoseconds(values)
+        return clock_text.nanoseconds(values, order)
     return values.to_numpy(zero_copy_only=False)
 
 

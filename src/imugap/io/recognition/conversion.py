@@ -65,6 +65,7 @@ def conversion(
     clock: str | tuple[float, str],
     assignment: Assignment,
     settings: RecordingSettings,
+    texts: bool = False,
 ) -> Conversion:
     """Recognise the conversion of columns; LogError where nothing decides.
 
@@ -76,9 +77,13 @@ def conversion(
         Stamps, shape (m,); None where there are none.
     clock
         Name of the column of stamps; where there is none, the rate [Hz] and what states it.
+    texts
+        Whether the stamps are times as texts, in nanoseconds.
     """
     contract = assignment.contract and not settings.columns
-    time_unit, said = _time_unit(values, raw, clock, assignment, settings)
+    time_unit, said = _time_unit(values, raw, clock, assignment, settings, texts)
+    if time_unit is not None:
+        asked(stamps.require_possible, f"column {clock}", raw, time_unit)
     rate = clock[0] if time_unit is None else 1 / (stamps.step_of(raw) * factor(time_unit))
     accel, gyro = (_triad(values, axes) for axes in (ACCEL, GYRO))
     sizes, sentences, weightless = {}, [], False
@@ -129,11 +134,15 @@ def _time_unit(
     clock: str | tuple[float, str],
     assignment: Assignment,
     settings: RecordingSettings,
+    texts: bool,
 ) -> tuple[str | None, tuple[str, ...]]:
     """Return the unit of the stamps, None where there are none, and what was recognised."""
     if raw is None:
         rate, source = clock
         return None, (f"no stamps, {rate:g} Hz from {source}",)
+    if texts:
+        said = "stamps are times as texts"
+        return "ns", (f"{said}: --time-unit does not apply" if settings.time_unit else said,)
     if settings.time_unit:
         unit, why = settings.time_unit, "the option"
     elif stated := column_names.stated_unit(clock):
