@@ -228,7 +228,7 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
     said = (*found.recognised, *_left_out(selection), *_filled(filler, source))
     if said or not selection.assignment.contract or settings.columns or source.notes:
         said = (f"{found.rate_hz:.5g} Hz", f"{len(time):,} samples".replace(",", " "), *source.notes, *said)
-    table = table.set_index(pd.Index(time, name=TIME))
+    table = table.drop(columns=[*found.without]).set_index(pd.Index(time, name=TIME))
     return Recording(source.path, table, said, found.weightless, found.frame, source.place)
 
 
@@ -328,6 +328,7 @@ def _assigned(names: list[str], source: Source) -> Assignment:
     """Return which columns are read; LogError where none is of an inertial sensor, or one is there twice."""
     assignment = asked(column_names.assign, source.heading, list(dict.fromkeys(names)))
     read = (*assignment.columns.values(), *assignment.times)
+        values = {name: column for name, column in values.items() if name not in found.without}
     repeated = [name for name in read if names.count(name) > 1]
     if repeated:
         expected = "every column once (--columns decides)"
