@@ -32,7 +32,7 @@ from imugap.io.recognition import column_names, frame, samples, stamps
 from imugap.io.recognition.column_names import SKIP, Assignment
 from imugap.io.recognition.conversion import Conversion, asked, conversion
 from imugap.io.recognition.settings import DEFAULTS, RecordingSettings
-from imugap.io.rows import advances, require_numbers, require_order, require_range, without_filler
+from imugap.io.rows import advances, by_stamps, require_numbers, require_order, require_range, without_filler
 from imugap.io.scales import require_one_scale
 from imugap.io.split_stamps import with_stamps
 from imugap.log import AXES, TIME, LogError, check
@@ -214,7 +214,12 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
     source = _of_rows(source, selection, settings)
     block, raw = source.load(selection.places, selection.stamp)
     columns = list(selection.assignment.columns)
-    filler = _without_filler(block, selection)
+    filled = _filled(_without_filler(block, selection), source)
+    sorted_rows = None if raw is None else by_stamps(raw)
+    if sorted_rows is not None:
+        order, sentence = sorted_rows
+        block, raw = block[:, order], raw[order]
+        source = replace(source, place=_place_of(source, order), notes=(*source.notes, sentence))
     _require_sound(source, dict(zip(columns, block, strict=True)), raw)
     parts = [(block[:, rows], None if raw is None else raw[rows]) for rows in stretches_of(block.shape[1])]
     _require_one_device(source, parts, selection, settings)
@@ -222,14 +227,20 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
     excerpt = dict(zip(columns, samples.excerpt(list(block)).T, strict=True))
     require_one_scale(excerpt)
     if source.canonical:
-        return Recording(source.path, table.set_index(pd.Index(raw, name=TIME)), place=source.place)
+        said = () if sorted_rows is None else source.notes
+        return Recording(source.path, table.set_index(pd.Index(raw, name=TIME)), said, place=source.place)
     found = _conversion(selection, excerpt, raw, settings)
     time = found.apply(dict(zip(columns, block, strict=True)), raw)
-    said = (*found.recognised, *_left_out(selection), *_filled(filler, source))
+    said = (*found.recognised, *_left_out(selection), *filled)
     if said or not selection.assignment.contract or settings.columns or source.notes:
         said = (f"{found.rate_hz:.5g} Hz", f"{len(time):,} samples".replace(",", " "), *source.notes, *said)
     table = table.drop(columns=[*found.without]).set_index(pd.Index(time, name=TIME))
     return Recording(source.path, table, said, found.weightless, found.frame, source.place)
+
+
+def _place_of(source: Source, order: np.ndarray) -> Callable[[int], str]:
+    """Return how the place of a row in the file follows from its number among sorted rows."""
+    return lambda row: source.place(int(order[row]))
 
 
 def _without_filler(block: np.ndarray, selection: Selection) -> np.ndarray:
@@ -255,8 +266,14 @@ def _require_sound(source: Source, columns: dict[str, np.ndarray], raw: np.ndarr
 
 def _require_clock(source: Source, raw: np.ndarray | None) -> None:
     """Raise a LogError unless some stamps increase."""
-    if raw is not None and not stamps.step_of(raw) > 0:
-        raise LogError(source.path, "stamps", "a time that increases", "no stamp above the one before")
+    if raw is None or stamps.step_of(raw) > 0:
+        return
+    known = raw[np.isfinite(raw.astype(float))]
+    expected = "a time that increases (--rate HZ takes the rows as even, --columns time=NAME another column as stamps)"
+    found = "no stamp above the one before (rows from the last to the first? sort them by their stamps)"
+    if len(known) and (known == known[0]).all():
+        found = f"{known[0]:.10g} in all {len(raw)} rows (a clock that was not set, or digits lost in a spreadsheet?)"
+    raise LogError(source.path, "stamps", expected, found)
 
 
 def _selected(source: Source, settings: RecordingSettings) -> Selection:
@@ -311,6 +328,7 @@ def _parts(source: Source, selection: Selection, found: Conversion) -> Iterator[
         require_range(stamped | values, source.path, lambda number, first=row: source.place(first + number))
         time = raw if source.canonical else found.apply(values, raw, row)
         row += block.shape[1]
+        values = {name: column for name, column in values.items() if name not in found.without}
         yield pd.DataFrame(values, index=pd.Index(time, name=TIME))
 
 
@@ -328,7 +346,6 @@ def _assigned(names: list[str], source: Source) -> Assignment:
     """Return which columns are read; LogError where none is of an inertial sensor, or one is there twice."""
     assignment = asked(column_names.assign, source.heading, list(dict.fromkeys(names)))
     read = (*assignment.columns.values(), *assignment.times)
-        values = {name: column for name, column in values.items() if name not in found.without}
     repeated = [name for name in read if names.count(name) > 1]
     if repeated:
         expected = "every column once (--columns decides)"
