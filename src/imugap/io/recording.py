@@ -33,6 +33,7 @@ from imugap.io.recognition.column_names import SKIP, Assignment
 from imugap.io.recognition.conversion import Conversion, asked, conversion
 from imugap.io.recognition.settings import DEFAULTS, RecordingSettings
 from imugap.io.rows import advances, by_stamps, require_numbers, require_order, require_range, without_filler
+from imugap.io.sample_counter import with_counted
 from imugap.io.scales import require_one_scale
 from imugap.io.split_stamps import with_stamps
 from imugap.log import AXES, TIME, LogError, check
@@ -150,7 +151,7 @@ def stream(path: str | Path, settings: RecordingSettings = DEFAULTS) -> tuple[Co
     source = _opened(Path(path), settings)
     try:
         selection = _selected(source, settings)
-        source = _of_rows(source, selection, settings)
+        source, selection = _of_rows(source, selection, settings)
         stretches = _stretches(source, selection)
         _require_one_device(source, stretches, selection, settings)
         excerpt = dict(zip(selection.assignment.columns, np.hstack([one for one, _ in stretches]), strict=True))
@@ -202,16 +203,29 @@ def _opened(path: Path, settings: RecordingSettings) -> Source:
     return source if settings.topic is None or source.topic is not None else source.group(settings.topic)
 
 
-def _of_rows(source: Source, selection: Selection, settings: RecordingSettings) -> Source:
-    """Return the rows of one device, where the user says that those of several alternate."""
-    places = [selection.places[k] for k in selection.inertial]
-    return source if settings.rows is None else every_row(source, places, settings.rows)
+def _of_rows(source: Source, selection: Selection, settings: RecordingSettings) -> tuple[Source, Selection]:
+    """Return the rows of one device, where the user says that those of several alternate, or the samples counted.
+
+    A counter of samples numbers those at a rate that the user gives.
+    """
+    if settings.rows is not None:
+        places = [selection.places[k] for k in selection.inertial]
+        return every_row(source, places, settings.rows), selection
+    if not settings.rate_hz:
+        return source, selection
+    counters = tuple(selection.names.index(name) for name in selection.assignment.counters)
+    counted = with_counted(source, counters, settings.rate_hz)
+    if counted is None:
+        return source, selection
+    source, counter = counted
+    names = (*(SKIP if k == counter else name for k, name in enumerate(selection.names)), source.names[-1])
+    return source, replace(selection, names=names, stamp=len(names) - 1, rate=None)
 
 
 def _recognised(source: Source, settings: RecordingSettings) -> Recording:
     """Name, load, convert and turn the columns of a file."""
     selection = _selected(source, settings)
-    source = _of_rows(source, selection, settings)
+    source, selection = _of_rows(source, selection, settings)
     block, raw = source.load(selection.places, selection.stamp)
     columns = list(selection.assignment.columns)
     filled = _filled(_without_filler(block, selection), source)
