@@ -117,6 +117,16 @@ def test_gaps_stop_the_commands_that_fill_them(gap):
     assert consequences["drive"] == ("filled" if gap <= 0.5 else "no")
 
 
+@pytest.mark.parametrize(
+    ("count", "rate", "never"),
+    [(4, 100.0, ("indices", "estimate", "discover")), (6000, 3000.0, ("indices",)), (3000, 100.0, ())],
+)
+def test_a_log_that_is_too_short_for_a_command_is_not_usable_for_it(count, rate, never):
+    found = checked(at_rest(count, rate))
+    assert found.never == never
+    assert ("record at least 10 s" in found.verdict) == bool(never)
+
+
 def test_gravity_that_the_driver_removed_is_said():
     log = at_rest()
     log["accel_z"] += 9.80665

@@ -239,9 +239,43 @@ def test_values_without_power_or_not_finite_are_lost():
     assert np.count_nonzero(found.samples["gyro_x"].lost) == 70
     assert np.count_nonzero(found.samples["accel_y"].lost) == 71
     assert tuple(map(str, found.remarks)) == (
-        "1 value not finite, first accel_y at row 4000: lost",
         "70 rows zero on all axes, first at row 0: lost",
+        "values empty or not finite, first at row 4000: accel_y 1: lost",
     )
+
+
+@pytest.mark.parametrize("shares", [[0.05, 0.02, 0, 0, 0, 0], [0.2, 0, 0, 0, 0, 0], [0.2, 0.25, 0.05, 0, 0, 0.3]])
+def test_values_lost_at_random_are_counted_and_are_no_stream_of_their_own(shares):
+    values = at_rest(COUNT, 0.01)
+    values[rng("lost", *map(str, shares)).random(values.shape) < shares] = np.nan
+    found = regular(table(even(100.0), values))
+    counts = {name: int(n) for name, n in zip(AXES, np.isnan(values).sum(axis=0), strict=True) if n}
+    first = int(np.flatnonzero(np.isnan(values).any(axis=1))[0])
+    each = ", ".join(f"{name} {n}" for name, n in counts.items())
+    assert [str(one) for one in found.remarks] == [f"values empty or not finite, first at row {first}: {each}: lost"]
+    assert len(found.streams) == 1
+    np.testing.assert_array_equal(found.log.to_numpy(), values)
+
+
+@pytest.mark.parametrize("every", [2, 4])
+def test_a_slower_sensor_on_the_same_stamps_is_a_stream(every):
+    values = at_rest(COUNT, 0.01)
+    values[np.arange(COUNT) % every > 0, 3:] = np.nan
+    found = regular(table(even(100.0), values))
+    assert len(found.streams) == 2
+    assert found.samples["accel_z"].interval == pytest.approx(0.01 * every)
+
+
+def test_seconds_that_many_rows_share_are_refused_with_the_option():
+    with pytest.raises(LogError, match=r"--rate HZ.*found 120 different stamps in 119 s, most 1 s apart"):
+        regular(table(np.floor(even(50.0)), at_rest(COUNT, 0.02)))
+
+
+def test_two_recordings_days_apart_are_refused_at_the_pause():
+    time = even(50.0)
+    time[COUNT // 2 :] += 2 * 86400
+    with pytest.raises(LogError, match=r"split the file there.*found no row from 59.98 to 172860 s"):
+        regular(table(time))
 
 
 def test_a_triad_without_any_value_is_unusable():

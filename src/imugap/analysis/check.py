@@ -5,8 +5,10 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from imugap.discovery.inputs import MIN_SAMPLES
 from imugap.discovery.preparation.shocks import common_shocks
 from imugap.estimation.indices import INDICES, shortest
+from imugap.estimation.model_selection import SHORTEST
 from imugap.integrity import rest
 from imugap.integrity.regular import Fault, Regular, Remark, powered, without_power
 from imugap.integrity.report import Axis, Report, Shock, report
@@ -118,6 +120,7 @@ def check(recording: Recording) -> RecordingCheck:
         *_of_motion(motion),
         *_of_gravity(regular, motion),
         *_of_samples(regular, raw, motion),
+        *_of_length(regular, motion),
     )
     commands = MOVING if motion.mostly else STATIC
     facts = raw.facts() | {
@@ -204,6 +207,24 @@ def _of_samples(regular: Regular, raw: Report, motion: rest.Motion) -> Iterable[
             yield CheckedFault("coarse values", text, ROUNDED)
 
 
+def _of_length(regular: Regular, motion: rest.Motion) -> Iterable[CheckedFault]:
+    """Yield that a log of a device at rest is too short for a command."""
+    duration, count = len(regular.log) * regular.interval, len(regular.log)
+    least = {"indices": min(_shortest(regular).values()) * (1 - 1e-9) / regular.interval}
+    least |= {"estimate": SHORTEST, "discover": MIN_SAMPLES}
+    short = {name: samples for name, samples in least.items() if count < samples}
+    if short and not motion.mostly:
+        consequences = tuple(NEVER if name in short else FINE for name in COMMANDS)
+        needed = max(short.values()) * regular.interval
+        text = f"{count} samples in {duration:.3g} s are too few for {', '.join(short)}"
+        yield CheckedFault("a short log", text, consequences, f"record at least {needed:.3g} s")
+
+
+def _shortest(regular: Regular) -> dict[str, float]:
+    """Return the shortest log of each index of a single run [s]."""
+    return {s: shortest(s, 1.0, regular.interval) for s in INDICES if s != "repeatability"}
+
+
 def _of_shocks(shocks: Sequence[Shock], regular: Regular) -> Iterable[CheckedFault]:
     """Yield the largest shocks; discovery leaves out those of several axes at once, and takes others for an effect."""
     common = _common_shocks(regular) if shocks else np.array([])
@@ -238,8 +259,7 @@ def _summary(regular: Regular, motion: rest.Motion) -> str:
             f"gravity along {direction}" + (f", {np.degrees(angle):.2g} deg off" if angle > np.radians(0.5) else "")
         )
     if not motion.mostly:
-        short = {s: shortest(s, 1.0, regular.interval) for s in INDICES if s != "repeatability"}
-        missing = {s: least for s, least in short.items() if duration < least * (1 - 1e-9)}
+        missing = {s: least for s, least in _shortest(regular).items() if duration < least * (1 - 1e-9)}
         if missing:
             parts.append(f"too short for {', '.join(missing)} ({max(missing.values()):g} s)")
     return ", ".join(parts)

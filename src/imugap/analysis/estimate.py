@@ -9,6 +9,7 @@ Stages::
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from imugap.analysis.omission_distance import distance
 from imugap.effects.effect import AxisModel, Effect
 from imugap.estimation import report
 from imugap.estimation.report import AxisEstimate, EstimatorSettings
+from imugap.integrity import rest
 from imugap.integrity.regular import Regular
 from imugap.interchange.conventions import Rule
 from imugap.interchange.export import PROGRAMS, ExportedFile, Target, exported
@@ -23,6 +25,9 @@ from imugap.interchange.start_bias import start_bias
 from imugap.io.recording import Recording
 from imugap.log import TEMPERATURE
 from imugap.model import ErrorModel
+
+REST_S = 10.0
+"""Shortest rest that is worth a log of its own [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +47,19 @@ class LogEstimate:
     regular: Regular
     axes: tuple[AxisEstimate, ...]
     failed: tuple[str, ...]
+
+    @cached_property
+    def motion(self) -> str | None:
+        """Return what the values mean where the device was moved, and the next step; None at rest."""
+        found = rest.motion(self.regular.log, self.regular.interval)
+        if found.at_rest:
+            return None
+        low, high = found.longest_rest
+        step = f"cut the log to its rest from {low:.6g} to {high:.6g} s" if high - low >= REST_S else "record at rest"
+        return (
+            f"THE DEVICE WAS IN MOTION for {max(found.share, 0.01):.0%} of the log: the values describe its motion and "
+            f"its vibration as well as the sensor, and are too large for a sensor alone; next: {step}"
+        )
 
     @property
     def model(self) -> ErrorModel:

@@ -81,10 +81,11 @@ class Estimated(Result):
 
     @property
     def verdict(self) -> str:
-        """Goodness of fit of each axis in words, those that do not fit first; then what to do about these."""
+        """Motion of the device, goodness of fit of each axis, those that do not fit first, what to do about these."""
+        moved = [] if self.estimate.motion is None else [self.estimate.motion]
         bad = [f"{one.axis}: THE MODEL DOES NOT FIT THE LOG: {one.verdict()}" for one in self.axes if not one.fits]
         good = [f"{one.axis}: {one.verdict()}" for one in self.axes if one.fits]
-        return "\n".join([*bad, *good, *([report.NEXT] if bad else [])])
+        return "\n".join([*moved, *bad, *good, *([report.NEXT] if bad else [])])
 
     def export(
         self,

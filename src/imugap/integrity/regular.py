@@ -14,7 +14,7 @@ from scipy.special import bdtrc
 
 from imugap.integrity import rest
 from imugap.integrity.clock_reset import row_number
-from imugap.integrity.row_clock import rate_change
+from imugap.integrity.row_clock import every_row_is_a_sample, rate_change
 from imugap.integrity.scales import Scale, loud_axis
 from imugap.integrity.timestamps import Stamps, stamps
 from imugap.integrity.true_sampling import KNOTS, REPEATED, TrueSampling, held, interpolated
@@ -31,6 +31,8 @@ OTHER_NOISE = 0.17
 """Log ratio of the noise of two parts, half of that which half the rate makes in white noise, from which it differs."""
 HEAVY = 3.0
 """Norm of the specific force [m/s^2] above which gravity is in it."""
+SHARED = 0.6
+"""Share of the rows of two axes that hold both, above which they may have stamps in common and values lost."""
 BRIEF = 10
 """Fewest successive rows in which all axes are zero that are no coincidence."""
 
@@ -155,9 +157,10 @@ def regular(table: pd.DataFrame, source: str = "log", place: Callable[[int], str
     if not names:
         raise LogError(source, "columns", "at least one inertial axis", ", ".join(map(str, table.columns)) or "none")
     once, twice = _once(table, place)
-    finite, holes = _finite(once, place)
+    finite, off, holes = _finite(once, place)
     unusable = _unusable(finite)
     streams = _streams(finite.drop(columns=list(unusable)) if unusable else finite)
+    holes += _lost_values(streams, finite, off, place)
     try:
         clocks = [_clock(stream, place) for stream in streams]
     except LogError as error:
@@ -227,23 +230,41 @@ def _once(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFram
     return table[~again], [Remark(Fault.TWICE, text)]
 
 
-def _finite(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFrame, list[Remark]]:
-    """Return the table with NaN for infinite values and for rows without power, and a sentence for each kind."""
-    values, remarks = table.to_numpy(float), []
-    infinite = np.isinf(values)
-    if infinite.any():
-        row, column = np.argwhere(infinite)[0]
-        where = f"{table.columns[column]} at {place(int(row))}"
-        text = f"{counted(int(infinite.sum()), 'value')} not finite, first {where}: lost"
-        remarks.append(Remark(Fault.LOST_VALUES, text))
+def _finite(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFrame, np.ndarray, list[Remark]]:
+    """Return the table with NaN for infinite values and for rows without power, these, and a sentence on them."""
+    infinite = np.isinf(table.to_numpy(float))
     off = without_power(table)
+    remarks = []
     if off.any():
         first = int(np.argmax(off))
         text = f"{counted(int(off.sum()), 'row')} zero on all axes, first at {place(first)}: lost"
         remarks.append(Remark(Fault.LOST_VALUES, text))
-    if not remarks:
-        return table, []
-    return powered(table.mask(infinite), off), remarks
+    return powered(table.mask(infinite) if infinite.any() else table, off), off, remarks
+
+
+def _lost_values(
+    streams: Sequence[pd.DataFrame], table: pd.DataFrame, off: np.ndarray, place: Callable[[int], str]
+) -> list[Remark]:
+    """Return a sentence on the values of each axis that are empty or not finite, in the rows of its stream.
+
+    ``off``, shape (n,), are the rows of ``table`` without power.
+    """
+    lost, first = {}, []
+    for stream in streams:
+        rows = np.ones(len(table), bool) if len(streams) == 1 else _has_values(table, axes(stream))
+        for name in axes(stream):
+            missing = np.flatnonzero(table[name].isna().to_numpy() & rows & ~off)
+            lost |= {name: len(missing)} if len(missing) else {}
+            first += missing[:1].tolist()
+    if not lost:
+        return []
+    each = ", ".join(f"{name} {count}" for name, count in lost.items())
+    return [Remark(Fault.LOST_VALUES, f"values empty or not finite, first at {place(min(first))}: {each}: lost")]
+
+
+def _has_values(table: pd.DataFrame, names: Sequence[str]) -> np.ndarray:
+    """Return the rows of a table, shape (n,), in which any of some columns has a value."""
+    return table[list(names)].notna().any(axis=1).to_numpy()
 
 
 def powered(table: pd.DataFrame, off: np.ndarray) -> pd.DataFrame:
@@ -297,8 +318,7 @@ def _streams(table: pd.DataFrame) -> list[pd.DataFrame]:
     known = {name: table[name].notna().to_numpy() for name in names}
     for name in names:
         for group in groups:
-            first = known[group[0]]
-            if np.count_nonzero(first != known[name]) < OWN * max(np.count_nonzero(first | known[name]), 1):
+            if _are_together(known[group[0]], known[name]):
                 group.append(name)
                 break
         else:
@@ -308,6 +328,20 @@ def _streams(table: pd.DataFrame) -> list[pd.DataFrame]:
         return [table]
     parts = [table[[*group, *(others if group is groups[0] else [])]] for group in groups]
     return [part[part[group].notna().any(axis=1)] for part, group in zip(parts, groups, strict=True)]
+
+
+def _are_together(one: np.ndarray, other: np.ndarray) -> bool:
+    """Return whether two axes, which have values in these rows, shape (n,), have the same stamps.
+
+    A slower sensor has its values in rows that are evenly spaced; values lost at random are not.
+    """
+    rows = max(np.count_nonzero(one | other), 1)
+    if np.count_nonzero(one != other) < OWN * rows:
+        return True
+    if np.count_nonzero(one & other) < SHARED * rows:
+        return False
+    fewer = one if np.count_nonzero(one) < np.count_nonzero(other) else other
+    return not every_row_is_a_sample(np.flatnonzero(fewer[one | other]).astype(float), 0.0)
 
 
 def _clock(table: pd.DataFrame, place: Callable[[int], str]) -> Stamps:

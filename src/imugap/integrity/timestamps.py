@@ -33,6 +33,8 @@ STRAIGHT = 3.0
 """Mean square of the means over windows, in variances of such a mean, above which the clock wanders."""
 SPARSE = 50
 """Samples per row above which the stamps are not of one log."""
+PAUSED = 0.5
+"""Share of the time of a log in one step from which it is that of two."""
 FEW = 0.1
 """Share of lost samples up to which the interval is that of most steps, and of stamps out of order up to which those
 in order show the clock."""
@@ -239,10 +241,18 @@ def _require_dense(time: np.ndarray, interval: float) -> None:
     """Raise a LogError if increasing stamps, shape (n,) [s], are far too few for the time from first to last."""
     samples = (time[-1] - time[0]) / interval
     if samples > SPARSE * len(time):
-        widest = int(np.argmax(np.diff(time)))
-        expected = f"a row for one in {SPARSE} samples at least, every {interval:g} s"
-        gap = f"none from {time[widest]:.10g} to {time[widest + 1]:.10g} s"
-        raise LogError("log", "index", expected, f"{len(time)} rows in {time[-1] - time[0]:g} s, {gap}")
+        steps = np.diff(time)
+        widest = int(np.argmax(steps))
+        if steps[widest] > PAUSED * (time[-1] - time[0]):
+            expected = "one recording without a pause of most of its time (split the file there)"
+            found = f"no row from {time[widest]:.10g} to {time[widest + 1]:.10g} s"
+            raise LogError("log", "column time", expected, found)
+        expected = (
+            "stamps that show the interval of the samples "
+            "(--rate HZ, with the rate that the device was set to, takes every row as a sample)"
+        )
+        found = f"{len(time)} different stamps in {time[-1] - time[0]:g} s, most {np.median(steps):.3g} s apart"
+        raise LogError("log", "column time", expected, found)
 
 
 def filled(log: pd.DataFrame) -> pd.DataFrame:

@@ -32,7 +32,8 @@ from imugap.io.recognition import column_names, frame, samples, stamps
 from imugap.io.recognition.column_names import SKIP, Assignment
 from imugap.io.recognition.conversion import Conversion, asked, conversion
 from imugap.io.recognition.settings import DEFAULTS, RecordingSettings
-from imugap.io.rows import advances, require_numbers, require_order, require_range, without_filler
+from imugap.io.rows import advances, by_stamps, require_numbers, require_order, require_range, without_filler
+from imugap.io.sample_counter import with_counted
 from imugap.io.scales import require_one_scale
 from imugap.io.split_stamps import with_stamps
 from imugap.log import AXES, TIME, LogError, check
@@ -43,6 +44,8 @@ LARGEST_WHOLE = 2**62
 """Stamps below it are kept as whole numbers."""
 ALL = 1, 1
 """Rows of one device (:attr:`imugap.io.recognition.settings.RecordingSettings.rows`)."""
+CLOCK_WORDS = frozenset(["date", "time", "clock", "datum", "hhmmss", "utc"])
+"""Words of columns that may be stamps."""
 SHOWN = 3
 """Columns that are left out and named."""
 
@@ -148,7 +151,7 @@ def stream(path: str | Path, settings: RecordingSettings = DEFAULTS) -> tuple[Co
     source = _opened(Path(path), settings)
     try:
         selection = _selected(source, settings)
-        source = _of_rows(source, selection, settings)
+        source, selection = _of_rows(source, selection, settings)
         stretches = _stretches(source, selection)
         _require_one_device(source, stretches, selection, settings)
         excerpt = dict(zip(selection.assignment.columns, np.hstack([one for one, _ in stretches]), strict=True))
@@ -166,7 +169,7 @@ def stream(path: str | Path, settings: RecordingSettings = DEFAULTS) -> tuple[Co
 class Selection:
     """Columns of a file that are read: names, positions, that of the stamps, or the rate and what states it.
 
-    ``whole``: whether the stamps are written as whole numbers.
+    ``whole``: whether the stamps are written as whole numbers; ``clock``: whether they are times as texts.
     """
 
     names: tuple[str, ...]
@@ -174,6 +177,7 @@ class Selection:
     stamp: int | None
     rate: tuple[float, str] | None
     whole: bool
+    clock: bool
 
     @property
     def places(self) -> list[int]:
@@ -199,19 +203,37 @@ def _opened(path: Path, settings: RecordingSettings) -> Source:
     return source if settings.topic is None or source.topic is not None else source.group(settings.topic)
 
 
-def _of_rows(source: Source, selection: Selection, settings: RecordingSettings) -> Source:
-    """Return the rows of one device, where the user says that those of several alternate."""
-    places = [selection.places[k] for k in selection.inertial]
-    return source if settings.rows is None else every_row(source, places, settings.rows)
+def _of_rows(source: Source, selection: Selection, settings: RecordingSettings) -> tuple[Source, Selection]:
+    """Return the rows of one device, where the user says that those of several alternate, or the samples counted.
+
+    A counter of samples numbers those at a rate that the user gives.
+    """
+    if settings.rows is not None:
+        places = [selection.places[k] for k in selection.inertial]
+        return every_row(source, places, settings.rows), selection
+    if not settings.rate_hz:
+        return source, selection
+    counters = tuple(selection.names.index(name) for name in selection.assignment.counters)
+    counted = with_counted(source, counters, settings.rate_hz)
+    if counted is None:
+        return source, selection
+    source, counter = counted
+    names = (*(SKIP if k == counter else name for k, name in enumerate(selection.names)), source.names[-1])
+    return source, replace(selection, names=names, stamp=len(names) - 1, rate=None)
 
 
 def _recognised(source: Source, settings: RecordingSettings) -> Recording:
     """Name, load, convert and turn the columns of a file."""
     selection = _selected(source, settings)
-    source = _of_rows(source, selection, settings)
+    source, selection = _of_rows(source, selection, settings)
     block, raw = source.load(selection.places, selection.stamp)
     columns = list(selection.assignment.columns)
-    filler = _without_filler(block, selection)
+    filled = _filled(_without_filler(block, selection), source)
+    sorted_rows = None if raw is None else by_stamps(raw)
+    if sorted_rows is not None:
+        order, sentence = sorted_rows
+        block, raw = block[:, order], raw[order]
+        source = replace(source, place=_place_of(source, order), notes=(*source.notes, sentence))
     _require_sound(source, dict(zip(columns, block, strict=True)), raw)
     parts = [(block[:, rows], None if raw is None else raw[rows]) for rows in stretches_of(block.shape[1])]
     _require_one_device(source, parts, selection, settings)
@@ -219,14 +241,20 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
     excerpt = dict(zip(columns, samples.excerpt(list(block)).T, strict=True))
     require_one_scale(excerpt)
     if source.canonical:
-        return Recording(source.path, table.set_index(pd.Index(raw, name=TIME)), place=source.place)
+        said = () if sorted_rows is None else source.notes
+        return Recording(source.path, table.set_index(pd.Index(raw, name=TIME)), said, place=source.place)
     found = _conversion(selection, excerpt, raw, settings)
     time = found.apply(dict(zip(columns, block, strict=True)), raw)
-    said = (*found.recognised, *_unread(selection), *_left_out(selection), *_filled(filler, source))
+    said = (*found.recognised, *_unread(selection), *_left_out(selection), *filled)
     if said or not selection.assignment.contract or settings.columns or source.notes:
         said = (f"{found.rate_hz:.5g} Hz", f"{len(time):,} samples".replace(",", " "), *source.notes, *said)
-    table = table.set_index(pd.Index(time, name=TIME))
+    table = table.drop(columns=[*found.without]).set_index(pd.Index(time, name=TIME))
     return Recording(source.path, table, said, found.weightless, found.frame, source.place)
+
+
+def _place_of(source: Source, order: np.ndarray) -> Callable[[int], str]:
+    """Return how the place of a row in the file follows from its number among sorted rows."""
+    return lambda row: source.place(int(order[row]))
 
 
 def _without_filler(block: np.ndarray, selection: Selection) -> np.ndarray:
@@ -252,8 +280,14 @@ def _require_sound(source: Source, columns: dict[str, np.ndarray], raw: np.ndarr
 
 def _require_clock(source: Source, raw: np.ndarray | None) -> None:
     """Raise a LogError unless some stamps increase."""
-    if raw is not None and not stamps.step_of(raw) > 0:
-        raise LogError(source.path, "stamps", "a time that increases", "no stamp above the one before")
+    if raw is None or stamps.step_of(raw) > 0:
+        return
+    known = raw[np.isfinite(raw.astype(float))]
+    expected = "a time that increases (--rate HZ takes the rows as even, --columns time=NAME another column as stamps)"
+    found = "no stamp above the one before (rows from the last to the first? sort them by their stamps)"
+    if len(known) and (known == known[0]).all():
+        found = f"{known[0]:.10g} in all {len(raw)} rows (a clock that was not set, or digits lost in a spreadsheet?)"
+    raise LogError(source.path, "stamps", expected, found)
 
 
 def _selected(source: Source, settings: RecordingSettings) -> Selection:
@@ -262,13 +296,16 @@ def _selected(source: Source, settings: RecordingSettings) -> Selection:
     stamp = _time_column(source, names, assignment, settings)
     given = (settings.rate_hz, "the option") if settings.rate_hz else source.rate
     whole = stamp is not None and source.names[stamp] in source.whole
-    return Selection(tuple(names), assignment, stamp, given if stamp is None else None, whole)
+    return Selection(
+        tuple(names), assignment, stamp, given if stamp is None else None, whole, stamp in source.clocks
+    )  # fmt: skip
 
 
 def _conversion(selection: Selection, excerpt: dict, raw: np.ndarray | None, settings: RecordingSettings) -> Conversion:
     if selection.whole and (np.abs(raw) < LARGEST_WHOLE).all() and (raw == np.rint(raw)).all():
         raw = raw.astype(np.int64)
-    return conversion(excerpt, raw, selection.stamp_name or selection.rate, selection.assignment, settings)
+    clock = selection.stamp_name or selection.rate
+    return conversion(excerpt, raw, clock, selection.assignment, settings, selection.clock)
 
 
 def _require_one_device(source: Source, stretches: list, selection: Selection, settings: RecordingSettings) -> None:
@@ -305,6 +342,7 @@ def _parts(source: Source, selection: Selection, found: Conversion) -> Iterator[
         require_range(stamped | values, source.path, lambda number, first=row: source.place(first + number))
         time = raw if source.canonical else found.apply(values, raw, row)
         row += block.shape[1]
+        values = {name: column for name, column in values.items() if name not in found.without}
         yield pd.DataFrame(values, index=pd.Index(time, name=TIME))
 
 
@@ -337,11 +375,12 @@ def _time_column(source: Source, names: list[str], assignment: Assignment, setti
     if settings.rate_hz:
         return None
     places = [names.index(name) for name in ((TIME,) if TIME in names else assignment.times)]
+    places = places or [place for place in source.clocks if names[place] != SKIP]
     if not places and source.rate:
         return None
     if not places:
         counter = f"; {assignment.counters[0]!r} counts samples and is no clock" if assignment.counters else ""
-        found = f"{', '.join(assignment.columns.values())[:120]}{counter}"
+        found = f"{', '.join(assignment.columns.values())[:120]}{counter}{_other_clocks(source, names, assignment)}"
         raise LogError(
             source.path, source.heading, "stamps (--columns time=NAME), or the rate of the samples (--rate HZ)", found
         )
@@ -350,6 +389,19 @@ def _time_column(source: Source, names: list[str], assignment: Assignment, setti
     if source.rate and all(values is not None and not np.isfinite(values).any() for values in found):
         return None
     return places[steady.index(True) if True in steady else 0]
+
+
+def _other_clocks(source: Source, names: list[str], assignment: Assignment) -> str:
+    """Return which other columns advance as stamps do, in words."""
+    read = {*assignment.columns.values(), *assignment.counters, SKIP, ""}
+    others = [name for place, name in enumerate(names) if name not in read and _may_be_clock(source, place)]
+    return f"; {', '.join(map(repr, others[:SHOWN]))} may be the stamps" if others else ""
+
+
+def _may_be_clock(source: Source, place: int) -> bool:
+    """Return whether a column has a word of a clock in its name, or advances."""
+    words = set(column_names.words_of(source.names[place]))
+    return bool(words & CLOCK_WORDS) or stamps.advances(_first_stamps(source, place))
 
 
 def _first_stamps(source: Source, place: int) -> np.ndarray:

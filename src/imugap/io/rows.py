@@ -8,6 +8,13 @@ import pandas as pd
 
 from imugap.log import TIME, LogError
 
+FEWEST = 32
+"""Fewest rows that are sorted."""
+EVEN, NEAR = 0.95, 0.1
+"""Share of the steps of sorted stamps that are whole numbers of intervals, and how near, of an even clock."""
+MIXED, LOCAL = 0.02, 64
+"""Share of steps back of rows that are out of order everywhere, and rows by which others are displaced: a few rows that
+are displaced by more are another run."""
 LARGEST_SAMPLE, LARGEST_STAMP = 1e12, 1e20
 """Largest magnitude of a sample and of a stamp, in any unit: beyond any word of a device, and with powers in range."""
 
@@ -16,6 +23,28 @@ def advances(time: np.ndarray) -> np.ndarray:
     """Return the mask of stamps, shape (n,), that are finite and exceed all stamps before them."""
     time = np.where(np.isfinite(time), time, np.nan)
     return time > np.fmax.accumulate(np.concatenate([[-np.inf], time[:-1]]))
+
+
+def by_stamps(raw: np.ndarray) -> tuple[np.ndarray, str] | None:
+    """Return the order of rows by their stamps, shape (n,), and a sentence; None where they are to stay as they are.
+
+    Rows that are out of order are sorted where the stamps, sorted, are those of an even clock, each there once: stamps
+    that are uneven themselves are not. Rows that go back throughout are read from the last to the first.
+    """
+    steps = np.diff(raw)
+    back = np.count_nonzero(steps < 0)
+    if len(raw) < FEWEST or not back or not np.isfinite(raw).all():
+        return None
+    if not (steps > 0).any():
+        return np.arange(len(raw))[::-1], "rows from the last to the first, as their stamps go back"
+    order = np.argsort(raw, kind="stable")
+    sorted_steps = np.diff(raw[order])
+    intervals = sorted_steps / np.median(sorted_steps) if sorted_steps.min() > 0 else np.zeros(1)
+    even = (np.rint(intervals) > 0) & (np.abs(intervals - np.rint(intervals)) < NEAR)
+    moved = np.abs(order - np.arange(len(raw)))
+    if even.mean() < EVEN or (back < MIXED * len(raw) and moved.max() > LOCAL):
+        return None
+    return order, f"{np.count_nonzero(moved)} rows out of order: sorted by their stamps"
 
 
 def require_order(table: pd.DataFrame, path: Path, place: Callable[[int], str]) -> None:

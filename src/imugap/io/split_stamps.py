@@ -45,7 +45,11 @@ def with_stamps(source: Source) -> Source:
     """Return a source with one column of stamps in place of several that are its parts."""
     dated = _dated(source)
     if dated is not None:
-        return _joined(source, dated, _of_texts, source.texts)
+        order = _order(source, dated[0])
+        source = source if order is None else replace(
+            source, notes=(*source.notes, order.sentence(source.names[dated[0]]))
+        )  # fmt: skip
+        return _joined(source, dated, lambda parts: _of_texts(parts, order), source.texts)
     found = _split(source)
     if not found:
         return source
@@ -126,8 +130,17 @@ def _sum(parts: Sequence[np.ndarray], sizes: Sequence[int]) -> np.ndarray:
     return sum(terms, np.zeros(len(parts[0]), np.int64))
 
 
-def _of_texts(parts: Sequence[np.ndarray]) -> np.ndarray:
-    return clock_text.nanoseconds(pa.array([f"{date} {clock}" for date, clock in zip(*parts, strict=True)]))
+def _order(source: Source, column: int) -> clock_text.Order | None:
+    """Return the order of day, month and year in a column of dates; LogError where it is not known."""
+    try:
+        return clock_text.order_of(pa.array(batch.tolist(), pa.string()) for batch in source.texts(column))
+    except ValueError as error:
+        expected, _, found = str(error).partition("; found ")
+        raise LogError(source.path, f"column {source.names[column]}", expected, found) from error
+
+
+def _of_texts(parts: Sequence[np.ndarray], order: clock_text.Order | None) -> np.ndarray:
+    return clock_text.nanoseconds(pa.array([f"{date} {clock}" for date, clock in zip(*parts, strict=True)]), order)
 
 
 def _joined(source: Source, places: Sequence[int], join: Join, texts=None) -> Source:
@@ -150,5 +163,6 @@ def _joined(source: Source, places: Sequence[int], join: Join, texts=None) -> So
     notes = (*source.notes, f"stamps from {' and '.join(source.names[k] for k in places)}")
     return replace(
         source, names=names, batches=batches, notes=notes, whole=source.whole | {NAME},
+        clocks=source.clocks if texts is None else source.clocks | {count},
         cells=lambda column: source.texts(column) if column < count else (one.astype(str) for one in stamps()),
     )  # fmt: skip

@@ -25,6 +25,7 @@ def page(found: LogEstimate, gravity: float) -> Page:
     return Page(
         "Which random errors has the device?",
         (
+            *([] if found.motion is None else [found.motion]),
             verdict,
             *(f"{one.axis}: {one.verdict()}" for one in (*bad, *(a for a in found.axes if a.fits))),
             *((report.NEXT,) if bad else ()),

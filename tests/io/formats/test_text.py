@@ -251,3 +251,56 @@ def test_decimal_commas_between_commas_without_quotes_are_refused(tmp_path):
     path = write_text(tmp_path / "run.csv", NAMES, samples(), decimal=",", form="{:.6f}")
     with pytest.raises(LogError, match=r"line 2: expected another separator than the decimal comma.*14 values below 7"):
         read(path)
+
+
+def odd_lines(path, inserted, count=3000):
+    rows = [
+        ",".join(f"{value:.9g}" for value in row) for row in np.column_stack([times(count), at_rest(count)]).tolist()
+    ]
+    for place, text in inserted:
+        rows.insert(count if place is None else place, text)
+    path.write_text("\n".join([",".join(["time", *AXES]), *rows]) + "\n")
+    return path
+
+
+EVENTS = {
+    "events": ([(50, "EVENT: button"), (2000, "EVENT: button")], "2 lines that are no rows, the first at line 52"),
+    "footer": ([(None, "End, of log"), (None, "Samples: 3000"), (None, "")], "2 lines that are no rows"),
+    "one": ([(1000, "# battery"), (1500, "RESET")], "1 line that is no row at line 1502: 'RESET'"),
+}
+
+
+@pytest.mark.parametrize("kind", EVENTS)
+def test_few_lines_that_are_no_rows_are_left_out_and_that_is_said(tmp_path, kind):
+    inserted, said = EVENTS[kind]
+    found = read(odd_lines(tmp_path / "run.csv", inserted), RecordingSettings(frame="as-is"))
+    np.testing.assert_allclose(found.log.to_numpy(), at_rest(3000), rtol=1e-6, atol=1e-9)
+    assert sum(said in one for one in found.recognised) == 1
+
+
+def test_the_line_of_a_row_counts_those_that_are_left_out(tmp_path):
+    found = read(odd_lines(tmp_path / "run.csv", [(50, "EVENT: button")]))
+    assert [found.place(row) for row in (49, 50)] == ["line 51", "line 53"]
+
+
+@pytest.mark.parametrize(
+    ("inserted", "count"), [([(k, "EVENT: button") for k in range(50, 58)], 3000), ([(None, "29.99,0,0")], 500)]
+)
+def test_many_lines_that_are_no_rows_and_rows_that_are_cut_off_are_refused(tmp_path, inserted, count):
+    with pytest.raises(LogError, match=r"line \d+: expected 7 values .*\(remove the lines that are no rows\)"):
+        read(odd_lines(tmp_path / "run.csv", inserted, count))
+
+
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        ("1000,0x004B,0x0002,0x3F01,0x0001,0x0002,0x4000", "line 2: .*hexadecimal words.*'0x004B'"),
+        ("1.0D+00,2.0D-03,1.0D-03,2.0D-03,0.0D+00,1.0D-02,-9.8D+00", "line 2: .*write E in place of D.*'1.0D"),
+        ('0.0,"[0.1, 0.2, 9.8]","[0.01, 0.02, 0.01]"', "line 2: .*a column for each axis.*0.1, 0.2, 9.8"),
+    ],
+)
+def test_rows_without_decimal_numbers_are_refused_with_the_first_cell(tmp_path, row, said):
+    path = tmp_path / "run.csv"
+    path.write_text("\n".join(["time,gyro,accel", *[row] * 100]) + "\n")
+    with pytest.raises(LogError, match=said):
+        read(path)

@@ -40,6 +40,8 @@ class Source:
         Message, run or group of columns that was asked for and is all that there is here.
     whole
         Names of the columns that are written as whole numbers.
+    clocks
+        Positions of the columns of times as texts; as numbers these are nanoseconds.
     rate
         Sampling rate that the file states [Hz], and the name of the value; None where there is none.
     cells
@@ -57,6 +59,7 @@ class Source:
     heading: str = "columns"
     topic: str | None = None
     whole: frozenset[str] = frozenset()
+    clocks: frozenset[int] = frozenset()
     rate: tuple[float, str] | None = None
     cells: Callable[[int], Iterator[np.ndarray]] | None = None
 
@@ -83,6 +86,7 @@ class Source:
             notes=notes,
             topic=topic,
             whole=frozenset(parts[k][1] for k in kept if self.names[k] in self.whole),
+            clocks=frozenset(place for place, k in enumerate(kept) if k in self.clocks),
             cells=lambda column: self.texts(kept[column]),
         )
 

@@ -11,7 +11,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
+from itertools import islice, takewhile
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -44,6 +44,16 @@ MISSING = [
 ]  # fmt: skip
 RATE = re.compile(r"(\w*\s?(?:rate|frequency|frequenz)|odr)\b[^\d\n]{0,12}(\d+\.?\d*)\s*(k?)hz", re.IGNORECASE)
 """Words of a sampling rate in the head of a table."""
+VALUE = re.compile(r"[-+\"']*\.?\d|[\[(].*\d")
+"""Begin of a cell that is a value and no name."""
+STEPS = {
+    r"^[-+]?0[xX]": "hexadecimal words: write them as decimal numbers",
+    r"^[-+]?[\d.]+[dD][-+]?\d+$": "exponents of Fortran: write E in place of D",
+    r"^[\"']*[\[(]": "a list in a cell: write a column for each axis",
+}
+"""What to do about cells that are no numbers, by their form."""
+ODD, MOST_ODD = 1e-3, 10_000
+"""Share of lines that are no rows below which they are left out, and the largest number of them."""
 EXCERPT = 60
 UNENDED = "left out the last line, which has no end"
 LONG = 9
@@ -76,6 +86,8 @@ class Dialect:
         Line before the first row, where there are names; it may stand again among the rows.
     rate
         Sampling rate that the lines before the rows state [Hz], and these words; None where there is none.
+    odd
+        Lines among and behind the rows that are none, and are left out.
     """
 
     encoding: str
@@ -88,10 +100,11 @@ class Dialect:
     end: int
     header: str | None
     rate: tuple[float, str] | None
+    odd: frozenset[str] = frozenset()
 
     def is_row(self, line: str) -> bool:
-        """Return whether a line behind the head is a row: neither empty nor the header again."""
-        return bool(line.strip()) and line.strip() != self.header
+        """Return whether a line behind the head is a row: neither empty, nor the header again, nor left out."""
+        return bool(line.strip()) and line.strip() != self.header and _plain(line) not in self.odd
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -104,7 +117,7 @@ def open_source(path: Path, settings) -> Source:
 
     A last line without an end may be cut off within a number, and is left out; LogError where it is one of two rows.
     """
-    dialect = sniff(path)
+    dialect = _without_odd(path, sniff(path))
     rest = _rest(path, dialect.end)
     if rest and len(dialect.sample) <= 2:
         expected = "a line end after the last row (add it if the row is whole, remove the row if it is cut off)"
@@ -112,18 +125,70 @@ def open_source(path: Path, settings) -> Source:
         raise LogError(
             path, place(path, dialect, len(dialect.sample) - 1), expected, f"the end of the file after {last!r}"
         )
+    orders = _orders(path, dialect)
+    dated = [
+        order.sentence(dialect.names[k] or f"column {k + 1}")
+        for k, order in orders.items()
+        if isinstance(order, clock_text.Order)
+    ]
     return Source(
         path,
         dialect.names,
         _lines(path),
-        lambda columns: _batches(path, dialect, columns),
+        lambda columns: _batches(path, dialect, columns, orders),
         lambda row: place(path, dialect, row),
-        notes=(UNENDED,) if rest else (),
+        notes=(*([UNENDED] if rest else []), *_said(path, dialect), *dated),
         heading=f"line {max(dialect.first, 1)}",
         whole=frozenset(name for k, name in enumerate(dialect.names) if _is_whole(dialect, k)),
+        clocks=frozenset(k for k in range(len(dialect.names)) if _is_clock(dialect, k)),
         rate=dialect.rate,
         cells=lambda column: _texts(path, dialect, column),
     )
+
+
+def _without_odd(path: Path, dialect: Dialect) -> Dialect:
+    """Return the dialect with the lines of another number of values left out, where they are few or behind all rows."""
+    odd: list[str] = []
+    try:
+        for _ in _read(path, dialect, {0: pa.string()}, odd):
+            if len(odd) > MOST_ODD:
+                return dialect
+    except pa.ArrowInvalid:
+        return dialect
+    found = frozenset(odd)
+    if not odd or not (len(odd) < ODD * _lines(path) or _behind(path, dialect, found) == found):
+        return dialect
+    sample = tuple(row for row in dialect.sample if len(row) == dialect.width)
+    return replace(dialect, odd=found, sample=sample)
+
+
+def _behind(path: Path, dialect: Dialect, odd: frozenset[str]) -> frozenset[str]:
+    """Return which of some lines stand behind all rows and are not of numbers alone, as rows that are cut off are."""
+    with path.open("rb") as handle:
+        handle.seek(max(dialect.end - HEAD_BYTES, 0))
+        lines = handle.read(min(dialect.end, HEAD_BYTES)).decode(dialect.encoding, errors="replace").splitlines()
+    last = filter(None, takewhile(lambda line: not line or line in odd, map(_plain, reversed(lines))))
+    return frozenset(line for line in last if not all(map(_is_number, filter(None, _cells(line, dialect.separator)))))
+
+
+def _said(path: Path, dialect: Dialect) -> tuple[str, ...]:
+    """Return which lines are left out, a sentence; none where there are none."""
+    if not dialect.odd:
+        return ()
+    with path.open(encoding=dialect.encoding, errors="replace") as handle:
+        lines = [
+            (number, line.strip())
+            for number, line in enumerate(handle, 1)
+            if number > dialect.first and _plain(line) in dialect.odd
+        ]
+    number, text = lines[0]
+    count = "1 line that is no row" if len(lines) == 1 else f"{len(lines)} lines that are no rows, the first"
+    return (f"left out {count} at line {number}: {text[:EXCERPT]!r}",)
+
+
+def _plain(line: str) -> str:
+    """Return a line with one blank for any number of blanks and tabs."""
+    return " ".join(line.split())
 
 
 def of_lines(path: Path, lines: Iterable[str]) -> Source:
@@ -186,7 +251,7 @@ def sniff(path: Path) -> Dialect:
     _, separator, first, rows = best
     if not rows:
         if any(len(_cells(line, mark)) > 1 for line in whole for mark in SEPARATORS):
-            raise LogError(path, "rows", "at least 2 samples", "0")
+            raise _no_rows(path, whole)
         raise LogError(path, "line 1", "a header and rows of numbers", repr(whole[0][:EXCERPT]))
     width = Counter(map(len, rows)).most_common(1)[0][0]
     names = _header(whole[:first], separator, width, all(not row[-1] for row in rows if len(row) == width))
@@ -197,6 +262,19 @@ def sniff(path: Path) -> Dialect:
     decimal = "," if _has_commas(rows) else "."
     header = whole[first - 1].strip() if first and any(names) else None
     return Dialect(encoding, separator, decimal, names, first, tuple(rows), width, _end(path, encoding), header, rate)
+
+
+def _no_rows(path: Path, lines: list[str]) -> LogError:
+    """Return the error of a text without rows of numbers: its first cell that is a value and no number."""
+    for number, line in enumerate(lines, 1):
+        if line.lstrip().startswith(COMMENT):
+            continue
+        cells = next((cells for mark in SEPARATORS if len(cells := _cells(line, mark)) > 1), [])
+        cell = next((one for one in cells if VALUE.match(one) and not _is_number(one)), None)
+        if cell is not None:
+            step = next((step for form, step in STEPS.items() if re.search(form, cell)), "write decimal numbers")
+            return LogError(path, f"line {number}", f"rows of numbers ({step})", f"{cell[:EXCERPT]!r}")
+    return LogError(path, "rows", "at least 2 samples", "0")
 
 
 def place(path: Path, dialect: Dialect, row: int) -> str:
@@ -310,12 +388,34 @@ def _are_units(cells: list[str]) -> bool:
     return 2 * sum(map(looks_like_unit, units)) > len(units)
 
 
-def _batches(path: Path, dialect: Dialect, columns: Sequence[int]) -> Iterator[list[np.ndarray]]:
+def _orders(path: Path, dialect: Dialect) -> dict[int, clock_text.Order | str]:
+    """Return the order of day, month and year of the columns of such dates, or why it is not known."""
+    orders: dict[int, clock_text.Order | str] = {}
+    for column in range(len(dialect.names)):
+        if not pa.types.is_string(_kind(dialect, column)):
+            continue
+        try:
+            order = clock_text.order_of(batch[column] for batch in _read(path, dialect, {column: pa.string()}))
+            orders |= {} if order is None else {column: order}
+        except pa.ArrowInvalid:
+            continue
+        except ValueError as error:
+            orders[column] = str(error)
+    return orders
+
+
+def _batches(
+    path: Path, dialect: Dialect, columns: Sequence[int], orders: Mapping[int, clock_text.Order | str]
+) -> Iterator[list[np.ndarray]]:
     """Yield the numbers of columns, shape (n,); dates are nanoseconds since 1970, times of day since midnight."""
     kinds = {column: _kind(dialect, column) for column in columns}
+    for column in columns:
+        if isinstance(why := orders.get(column), str):
+            expected, _, found = why.partition("; found ")
+            raise LogError(path, f"column {dialect.names[column] or column + 1}", expected, found)
     try:
         for batch in _read(path, dialect, kinds):
-            yield [_numbers(batch[k]) for k in columns]
+            yield [_numbers(batch[k], orders.get(k)) for k in columns]
     except pa.ArrowInvalid as error:
         raise _diagnosis(path, dialect, columns, str(error)) from error
 
@@ -329,8 +429,20 @@ def _texts(path: Path, dialect: Dialect, column: int) -> Iterator[np.ndarray]:
         raise _diagnosis(path, dialect, [], str(error)) from error
 
 
-def _read(path: Path, dialect: Dialect, kinds: Mapping[int, pa.DataType]) -> Iterator[Mapping[int, pa.Array]]:
-    """Yield the cells of columns of these kinds; ArrowInvalid where one is of another."""
+def _read(
+    path: Path, dialect: Dialect, kinds: Mapping[int, pa.DataType], odd: list[str] | None = None
+) -> Iterator[Mapping[int, pa.Array]]:
+    """Yield the cells of columns of these kinds; ArrowInvalid where one is of another.
+
+    Lines of another number of values are errors, or left out and listed in ``odd`` where it is given.
+    """
+
+    def skip(row) -> str:
+        line = _plain(row.text or "")
+        if odd is not None and not line.startswith(COMMENT):
+            odd.append(line)
+        return "skip" if odd is not None or line.startswith(COMMENT) or line in dialect.odd else "error"
+
     names = [str(k) for k in range(max(len(dialect.names), dialect.width))]
     types = {str(column): kind for column, kind in kinds.items()}
     converting = pa.csv.ConvertOptions(
@@ -340,15 +452,11 @@ def _read(path: Path, dialect: Dialect, kinds: Mapping[int, pa.DataType]) -> Ite
     reading = pa.csv.ReadOptions(
         column_names=names, skip_rows=dialect.first, block_size=BLOCK_BYTES, encoding=dialect.encoding
     )
-    parsing = pa.csv.ParseOptions(delimiter=dialect.separator, invalid_row_handler=_skip_comment)
+    parsing = pa.csv.ParseOptions(delimiter=dialect.separator, invalid_row_handler=skip)
     with _stream(path, dialect) as stream, pa.csv.open_csv(stream, reading, parsing, converting) as reader:
         for batch in reader:
             yield {column: batch.column(str(column)) for column in kinds}
     pa.default_memory_pool().release_unused()
-
-
-def _skip_comment(row) -> str:
-    return "skip" if (row.text or "").lstrip().startswith(COMMENT) else "error"
 
 
 def _is_whole(dialect: Dialect, column: int) -> bool:
@@ -368,6 +476,12 @@ def _kind(dialect: Dialect, column: int) -> pa.DataType:
     return pa.float64()
 
 
+def _is_clock(dialect: Dialect, column: int) -> bool:
+    """Return whether a column is of times as texts."""
+    kind = _kind(dialect, column)
+    return pa.types.is_string(kind) or pa.types.is_timestamp(kind)
+
+
 def _is_readable(cell: str, kind: pa.DataType) -> bool:
     """Return whether a cell is a value of the kind of its column."""
     if pa.types.is_string(kind):
@@ -377,11 +491,11 @@ def _is_readable(cell: str, kind: pa.DataType) -> bool:
     return _is_number(cell)
 
 
-def _numbers(values: pa.Array) -> np.ndarray:
+def _numbers(values: pa.Array, order: clock_text.Order | None) -> np.ndarray:
     if pa.types.is_timestamp(values.type):
         values = values.cast(pa.int64())
     if pa.types.is_string(values.type):
-        return clock_text.nanoseconds(values)
+        return clock_text.nanoseconds(values, order)
     return values.to_numpy(zero_copy_only=False)
 
 
@@ -479,6 +593,7 @@ def _diagnosis(path: Path, dialect: Dialect, columns: Sequence[int], cause: str)
             cells = _cells(line.strip("\r\n"), dialect.separator)
             if len(cells) != width:
                 expected = f"{width} values ({', '.join(filter(None, dialect.names))})"
+                expected += " (remove the lines that are no rows)"
                 return LogError(path, f"line {number}", expected, f"{len(cells)}: {line.strip()[:EXCERPT]!r}")
             for column in columns:
                 if cells[column] not in MISSING and not _is_readable(cells[column], kinds[column]):

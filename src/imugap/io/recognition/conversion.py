@@ -14,6 +14,9 @@ from imugap.io.recognition.settings import RecordingSettings
 from imugap.log import ACCEL, GYRO, TEMPERATURE, TIME, LogError
 from imugap.units import factor
 
+COLDEST, HOTTEST = -60.0, 150.0
+"""Temperatures between which electronics work [degC]."""
+
 
 @dataclass(frozen=True, eq=False)
 class Conversion:
@@ -35,6 +38,8 @@ class Conversion:
         Sentences on what was recognised.
     weightless
         Whether gravity was removed from the specific force.
+    without
+        Columns that are left out.
     """
 
     rate_hz: float
@@ -44,6 +49,7 @@ class Conversion:
     recognised: tuple[str, ...]
     weightless: bool
     offsets: Mapping[str, float] = field(default_factory=dict)
+    without: tuple[str, ...] = ()
 
     def apply(self, values: Mapping[str, np.ndarray], raw: np.ndarray | None, first: int = 0) -> np.ndarray:
         """Convert columns in place, and return the time of their rows [s]; the first is row ``first``."""
@@ -65,6 +71,7 @@ def conversion(
     clock: str | tuple[float, str],
     assignment: Assignment,
     settings: RecordingSettings,
+    texts: bool = False,
 ) -> Conversion:
     """Recognise the conversion of columns; LogError where nothing decides.
 
@@ -76,11 +83,15 @@ def conversion(
         Stamps, shape (m,); None where there are none.
     clock
         Name of the column of stamps; where there is none, the rate [Hz] and what states it.
+    texts
+        Whether the stamps are times as texts, in nanoseconds.
     """
     contract = assignment.contract and not settings.columns
     scales, mixed = _in_one_unit(assignment, settings)
     values = {name: column * scales.get(name, 1.0) for name, column in values.items()}
-    time_unit, said = _time_unit(values, raw, clock, assignment, settings)
+    time_unit, said = _time_unit(values, raw, clock, assignment, settings, texts)
+    if time_unit is not None:
+        asked(stamps.require_possible, f"column {clock}", raw, time_unit)
     rate = clock[0] if time_unit is None else 1 / (stamps.step_of(raw) * factor(time_unit))
     accel, gyro = (_triad(values, axes) for axes in (ACCEL, GYRO))
     sizes, sentences, weightless = {}, [], False
@@ -106,15 +117,25 @@ def conversion(
     if assignment.free or (force is not None and units.without_gravity(force, 1.0)):
         weightless = True
         sentences += ["no gravity in the specific force: it was removed"]
-    offsets = {}
+    offsets, without = {}, ()
     if TEMPERATURE in values:
         stated = assignment.units.get(TEMPERATURE)
         unit = units.temperature_unit(values[TEMPERATURE], settings.units.get(TEMPERATURE), stated)
         sizes[TEMPERATURE], offsets[TEMPERATURE] = units.to_celsius(unit)
-        sentences += [] if unit.name == units.SI[TEMPERATURE] else [unit.sentence(TEMPERATURE)]
+        celsius = _median(values[TEMPERATURE]) * sizes[TEMPERATURE] + offsets[TEMPERATURE]
+        if not COLDEST < celsius < HOTTEST:
+            without = (TEMPERATURE,)
+            sentences.append(
+                f"temperature left out: a median of {celsius:.4g} degC is of no device "
+                "(--units temperature=degC/100, or another unit, decides)"
+            )
+        elif unit.name != units.SI[TEMPERATURE]:
+            sentences.append(unit.sentence(TEMPERATURE))
+        elif unit.evidence is None and not contract:
+            sentences.append("temperature taken as degC")
     axes, words = _frame(force, settings)
     sizes = {name: size * scales.get(name, 1.0) for name, size in sizes.items()}
-    return Conversion(rate, time_unit, sizes, axes, (*said, *sentences, *mixed, *words), weightless, offsets)
+    return Conversion(rate, time_unit, sizes, axes, (*said, *sentences, *mixed, *words), weightless, offsets, without)
 
 
 def _in_one_unit(assignment: Assignment, settings: RecordingSettings) -> tuple[dict[str, float], tuple[str, ...]]:
@@ -148,11 +169,15 @@ def _time_unit(
     clock: str | tuple[float, str],
     assignment: Assignment,
     settings: RecordingSettings,
+    texts: bool,
 ) -> tuple[str | None, tuple[str, ...]]:
     """Return the unit of the stamps, None where there are none, and what was recognised."""
     if raw is None:
         rate, source = clock
         return None, (f"no stamps, {rate:g} Hz from {source}",)
+    if texts:
+        said = "stamps are times as texts"
+        return "ns", (f"{said}: --time-unit does not apply" if settings.time_unit else said,)
     if settings.time_unit:
         unit, why = settings.time_unit, "the option"
     elif stated := column_names.stated_unit(clock):
@@ -205,6 +230,12 @@ def _require_turns(gyro: np.ndarray, accel: np.ndarray, rate_hz: float) -> None:
             "(change signs or order in the file, or name the columns by --columns to take them as they are)"
         )
         raise LogError("log", units.PLACES["gyro"], expected, f"gravity turns as with {right} as the rates of x, y, z")
+
+
+def _median(values: np.ndarray) -> float:
+    """Return the median of the finite values; zero where there are none."""
+    finite = values[np.isfinite(values)]
+    return float(np.median(finite)) if len(finite) else 0.0
 
 
 def _triad(values: Mapping[str, np.ndarray], axes: tuple[str, ...]) -> np.ndarray | None:

@@ -20,6 +20,8 @@ SLOWEST_HZ, FASTEST_HZ = 1.5, 2e4
 """Rates of inertial sensors."""
 SLOWEST_CONTRACT_HZ = 0.5
 """Lowest rate at which stamps named ``time`` are in seconds without any doubt."""
+LEAST_HZ, MOST_HZ = 0.1, 1e6
+"""Rates beyond which no option is right."""
 YEARS = (9.5e8, 4.1e9)
 """Seconds since 1970 of the years 2000 to 2099."""
 EPOCHS = (("d", 25_569 * 86_400), ("d", 719_529 * 86_400), ("100ns", 11_644_473_600), ("100ns", 62_135_596_800))
@@ -102,6 +104,14 @@ def require_rate(time: np.ndarray, unit: str) -> None:
     if admitted:
         readings = " or ".join(f"{rates[one]:.4g} Hz in {one}" for one in (unit, *admitted))
         raise ValueError(f"stamps in {unit} as the header has it (--time-unit decides); found {readings}")
+
+
+def require_possible(time: np.ndarray, unit: str) -> None:
+    """Raise a ValueError where stamps, shape (n,), have a rate of no inertial sensor, whatever said their unit."""
+    rate = 1 / (step_of(time) * factor(unit))
+    if len(time) >= FEWEST and not LEAST_HZ <= rate <= MOST_HZ:
+        limits = f"{LEAST_HZ:g} to {MOST_HZ:g} Hz"
+        raise ValueError(f"stamps of an inertial sensor, {limits} (--time-unit decides); found {rate:.3g} Hz in {unit}")
 
 
 def are_clock_numbers(time: np.ndarray) -> bool:
