@@ -110,6 +110,7 @@ def numbers(table, losses, tried):
         "largest_tried": bool(largest["half"] <= tried[largest["name"]]),
         "beyond": len(far),
         "beyond_names": [title_of(name) for name in far["name"]],
+        "below_names": [title_of(name) for name in losses["name"][losses["high"] < 1]],
         "choices": CHOICES,
         "bound": f"{bonferroni_half_size(CHOICES):.2f}",
     }

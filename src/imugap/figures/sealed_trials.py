@@ -30,6 +30,7 @@ def reliability(bins: pd.DataFrame) -> Figure:
     ticks = [f"{10 * one.bin} to {10 * one.bin + 10} %\n({one.count})" for one in bins.itertuples()]
     panel.set_xticks(places, ticks)
     panel.set(xlabel="probability of the likeliest explanation (number of answers)", ylim=(-EDGE, 1 + EDGE))
+    panel.set_ylabel("share of answers")
     panel.yaxis.set_major_formatter(PercentFormatter(1.0, 0))
     legend_below(figure, 2)
     return figure
@@ -55,7 +56,13 @@ def losses(curve: pd.DataFrame, table: pd.DataFrame, choices: int) -> Figure:
     left.plot(size, oracle_power(size - shift), color=ORACLE, ls=":", label=f"the same among {choices} names and axes")
     ends = curve["rate"] - curve["low"], curve["high"] - curve["rate"]
     left.errorbar(curve["size"], curve["rate"], ends, fmt="o-", ms=4, color=FOUND, label="search, 95 % interval")
-    left.set(title="all effects", xscale="log", xlabel="size [detection limits]", ylim=(-EDGE, 1 + EDGE))
+    left.set(
+        title="all effects",
+        xscale="log",
+        xlabel="size [detection limits]",
+        ylabel="share found",
+        ylim=(-EDGE, 1 + EDGE),
+    )
     left.set_xticks(curve["size"])
     left.yaxis.set_major_formatter(PercentFormatter(1.0, 0))
     rows, farthest = np.arange(len(table)), 2 * curve["size"].max()

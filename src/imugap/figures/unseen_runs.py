@@ -9,7 +9,7 @@ from imugap.figures import static
 from imugap.figures.style import legend_below, panels_of
 
 TITLES = {name: static.TITLES[name] for name in ("white", "method_a", "method_b", "restoration", "nbk")} | {
-    "power_law": "White + 1/f^α",
+    "power_law": "White + 1/fᵅ",
     "chosen": "Chosen by likelihood",
     "gmwm": "Chosen, GMWM",
     "discovered_nbk": "Discovered from N + B + K",
