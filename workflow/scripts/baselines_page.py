@@ -32,6 +32,6 @@ with job(snakemake) as (source, params, output):
     record = yaml.safe_load(Path(files["record"]).read_text()) if "record" in files else {}
     save(
         output,
-        table=(scores, summary.table(scores)),
+        table=(scores, summary.table(scores).rename(columns=lambda name: name.replace("_", " "))),
         numbers=numbers(scores, answers, params.clear_size) | record,
     )
