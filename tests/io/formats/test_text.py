@@ -116,6 +116,20 @@ def test_a_header_in_a_comment_between_blanks_has_no_name_more(tmp_path):
     np.testing.assert_allclose(found.log.to_numpy(), table[:, 1:], rtol=1e-8)
 
 
+@pytest.mark.parametrize("between", [".", "_", " "])
+def test_the_columns_of_one_of_two_devices_are_taken_by_the_word_before_their_names(tmp_path, between):
+    left, right = at_rest(), at_rest(seed=2)
+    header = ["time [s]", *(f"{device}{between}{axis}" for device in ("imu1", "imu2") for axis in AXES)]
+    header[0] = f"imu2.{header[0]}" if between == "." else header[0]
+    path = write_text(tmp_path / "two.csv", header, np.column_stack([times(), left, right]))
+    with pytest.raises(LogError, match="--topic what stands before the dot, or begins them"):
+        read(path)
+    found = read(path, RecordingSettings(topic="imu2", frame="as-is"))
+    np.testing.assert_allclose(found.log[list(AXES)], right, atol=1e-9)
+    with pytest.raises(LogError, match="expected a group of columns that there is"):
+        read(path, RecordingSettings(topic="imu"))
+
+
 def test_names_that_repeat_are_told_by_those_of_groups_above_them(tmp_path):
     table = np.column_stack([np.arange(COUNT), np.repeat(samples()[:, 1:], 2, axis=1)])
     groups = ",".join(["sensor", *["left", "right"] * len(AXES)])

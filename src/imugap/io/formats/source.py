@@ -1,5 +1,6 @@
 """Columns of a file before they have a meaning: names, and batches of numbers."""
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -12,6 +13,8 @@ from imugap.log import LogError
 
 CAUSE = 240
 """Longest cause of a damage that is shown."""
+SEPARATED = re.compile(r"^[_\-/ ]+")
+"""What stands between the word of a group and the name of a column."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,14 +73,17 @@ class Source:
         return (values.astype(str) for (values,) in self.batches([column]))
 
     def group(self, topic: str) -> "Source":
-        """Return the columns with names ``topic.name``, without the topic; LogError where there are none."""
+        """Return the columns with names ``topic.name``, without the topic; LogError where there are none.
+
+        Where none has a dot, those with names ``topic_name`` are taken, and those that no other group has, as its time.
+        """
         parts = [name.rpartition(".")[::2] for name in self.names]
-        kept = [k for k, (group, _) in enumerate(parts) if group == topic]
-        if not kept:
+        own = {k: name for k, (group, name) in enumerate(parts) if group == topic} or self._beginning_with(topic)
+        if not own:
             known = ", ".join(dict.fromkeys(group for group, _ in parts if group))
-            expected = f"a group of columns that there is (--topic): {known or 'none here'}"
+            expected = f"a group of columns that there is (--topic): {known or 'the word with which their names begin'}"
             raise LogError(self.path, self.heading, expected, topic)
-        names = tuple(parts[k][1] for k in kept)
+        kept, names = list(own), tuple(own.values())
         notes = (*self.notes, f"columns of {topic}")
         return replace(
             self,
@@ -85,10 +91,17 @@ class Source:
             batches=lambda columns: self.batches([kept[k] for k in columns]),
             notes=notes,
             topic=topic,
-            whole=frozenset(parts[k][1] for k in kept if self.names[k] in self.whole),
+            whole=frozenset(name for k, name in own.items() if self.names[k] in self.whole),
             clocks=frozenset(place for place, k in enumerate(kept) if k in self.clocks),
             cells=lambda column: self.texts(kept[column]),
         )
+
+    def _beginning_with(self, word: str) -> dict[int, str]:
+        """Return the names that begin with a word, without it, and those of columns of no group, by position."""
+        begun = {k: SEPARATED.sub("", name.removeprefix(word)) for k, name in enumerate(self.names)
+                 if name.startswith(word) and SEPARATED.match(name.removeprefix(word))}  # fmt: skip
+        alone = {k: name for k, name in enumerate(self.names) if not name.endswith(tuple(begun.values()))}
+        return dict(sorted((begun | alone).items())) if begun else {}
 
     def load(self, columns: Sequence[int], stamp: int | None) -> tuple[np.ndarray, np.ndarray | None]:
         """Return whole columns, shape (columns, n), and the stamps, shape (n,), in one pass and one block of memory."""

@@ -423,8 +423,8 @@ def _plainest(known: dict[str, Meaning], quantity: str) -> dict[str, Meaning]:
     if rivals or len({found.axis for found in best.values()}) < len(best):
         shown = " or ".join(", ".join(one) for one in (best, *rivals))
         raise ValueError(
-            f"one set of columns for {quantity} (--columns decides, or --topic what stands before the dot); "
-            f"found {shown}"
+            f"one set of columns for {quantity} (--columns decides, or --topic what stands before the dot, or begins "
+            f"them); found {shown}"
         )
     return best
 
