@@ -82,8 +82,11 @@ class Echo(FilterEffect):
 
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:
-        """Yield the echo of the highest ripple in the spectrum of the residual, where there is no filter yet."""
-        if fit.description.noise.output_filter is None:
+        """Yield the echo of the highest ripple in the spectrum of the residual, where there is no filter yet, at rest.
+
+        In motion the residual has ripples of its own, and a fit behind a filter takes long.
+        """
+        if fit.description.noise.output_filter is None and fit.sequence.conditions.motion is None:
             sizes, gains = fit.ripples
             best = int(np.argmax(gains))
             size, inverted = min(max(abs(sizes[best]), TINY), 1.0), float(sizes[best] < 0)
