@@ -51,7 +51,7 @@ ADDITIVE = (Bias(0.1), TurnOnBias(0.1), WhiteNoise(0.02), RandomWalk(0.01), Gaus
 def numbers(item):
     low, high = item.metadata["low"], item.metadata["high"]
     if item.metadata["whole"]:
-        return st.integers(int(low), int(min(high, LARGEST)))
+        return st.integers(int(low), int(min(high, LARGEST, 2**53)))
     above = st.floats(max(low, SMALLEST), min(high, LARGEST))
     below = st.floats(-LARGEST, -SMALLEST) if low < 0 and not isfinite(low) else st.nothing()
     return above | below | (st.just(0.0) if low <= 0 else st.nothing())

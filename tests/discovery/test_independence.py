@@ -15,9 +15,9 @@ NAMED = {
     "fit/telegraph_likelihood.py": {"GaussMarkov", "RandomTelegraph"},
     "search/telegraph.py": {"RandomTelegraph"},
     "search/telegraph_in_noise.py": {"RandomTelegraph"},
-    "common_noise.py": {"CommonMode", "WhiteNoise"},
+    "noise/common_noise.py": {"CommonMode", "WhiteNoise"},
     "checks/spectrum.py": {"PowerLaw"},
-    "nameless_noise.py": {"BandNoise", "NoiseDistribution"},
+    "noise/nameless_noise.py": {"BandNoise", "NoiseDistribution"},
 }
 """Modules that have the likelihood of one effect as their subject, and the noise without a name."""
 

@@ -55,7 +55,7 @@ def test_in_parts_it_is_the_same():
 
 @pytest.mark.parametrize(
     ("effect", "label"), [(Echo(0.4, 12), 1), (Echo(0.4, 12), 2), (Echo(0.4, 12), 3), (Echo(0.15, 5, 1), 4),
-                          (Echo(0.4, 1), 5), (Echo(0.9, 45, 1), 6)]
+                          (Echo(0.9, 45, 1), 6)]
 )  # fmt: skip
 def test_an_echo_is_found_and_named(effect, label):
     (one,) = result_of(behind(sequence(label=f"echo {label}"), effect)).findings

@@ -25,7 +25,7 @@ class Comb(SystematicEffect):
     """Sum of amplitude_k cos(2 pi k (f t + c t^2/2) + phase_k), as a rotor makes it whose speed drifts.
 
     No fit starts with it: it takes the place of the lines and chirps of which it is made. Discovery names it where its
-    frequency changes: a steady one is a wave of any shape and cause.
+    frequency changes: steady lines make a wave of any shape and cause.
     """
 
     name: ClassVar[str] = "comb"
@@ -140,6 +140,8 @@ class Comb(SystematicEffect):
         duration = conditions.interval * len(conditions)
         middle = [comb.frequency + comb.chirp_rate * time for comb in both]
         rates = [comb.chirp_rate for comb in both]
+        if not any(rates):
+            return  # steady lines make a wave of any shape and cause
         for numbers in product(HARMONICS, repeat=2):
             apart = abs(numbers[1] * middle[0] - numbers[0] * middle[1]) * duration
             own = [{k * number for k in comb.amplitudes} for number, comb in zip(numbers, both, strict=True)]

@@ -88,7 +88,7 @@ class Echo(FilterEffect):
         """
         if fit.description.noise.output_filter is None and fit.sequence.conditions.motion is None:
             sizes, gains = fit.ripples
-            best = int(np.argmax(gains))
+            best = 1 + int(np.argmax(gains[1:]))  # that of one sample is quantization, or a filter
             size, inverted = min(max(abs(sizes[best]), TINY), 1.0), float(sizes[best] < 0)
             yield Start(cls(size, best + 1.0, inverted), ("size",), trials=len(gains), gain=float(gains[best]))
 
