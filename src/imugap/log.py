@@ -39,6 +39,12 @@ class LogError(ValueError):
         self.source, self.place, self.expected, self.found = str(source), place, expected, found
         super().__init__(f"{source}: {place}: expected {expected}; found {found}")
 
+    @classmethod
+    def at(cls, source: str | Path, place: str, error: ValueError) -> "LogError":
+        """Return an error of the form ``expectation; found ...`` with the source and the location of it."""
+        expected, _, found = str(error).partition("; found ")
+        return cls(source, place, expected.removeprefix("expected "), found)
+
     def __reduce__(self):
         """Support pickling between processes."""
         return type(self), (self.source, self.place, self.expected, self.found)

@@ -1,4 +1,4 @@
-"""The scale of an axis is told from coarse words and from noise, two-sided, and a run of another scale is found."""
+"""Another scale of an axis or a run is found, and distinguished from coarse words and from noise, two-sided."""
 
 import numpy as np
 import pandas as pd

@@ -1,7 +1,8 @@
 """Check a recording: a verdict in words, and each finding with its place and its consequence for each command."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import product
 
 import numpy as np
 
@@ -32,7 +33,7 @@ CONSEQUENCES: dict[Fault, tuple[str, ...]] = {
     Fault.LOST: (LESS, LESS, LESS, "filled", "filled"),
     Fault.HELD: (FINE, FINE, NEVER, FINE, FINE),
     Fault.INTERPOLATED: (LESS, LESS, NOTED, FINE, FINE),
-    Fault.LOUD: (FINE, FINE, FINE, FINE, FINE),
+    Fault.LOUD: ("kept", "kept", "kept", "kept", "kept"),
 }
 ROUNDED = ("rounded", "rounded", "an effect", FINE, FINE)
 """What rounding means: the noise and the mean of rounded values, an effect of its own, nothing to motion."""
@@ -169,13 +170,7 @@ def _of_gravity(regular: Regular, motion: rest.Motion) -> Iterable[CheckedFault]
     mean = {name: float(np.nanmedian(regular.samples[name].values)) for name in ACCEL}
     norm = float(np.linalg.norm(list(mean.values())))
     if norm < GRAVITY_LEAST * STANDARD_GRAVITY:
-        shifted = [
-            f"or has {name} 1/{2**bits} of its scale?"
-            for name in ACCEL
-            for bits in SHIFTS
-            if abs(np.linalg.norm(list((mean | {name: mean[name] * 2**bits}).values())) / STANDARD_GRAVITY - 1)
-            < GRAVITY_TOLERANCE
-        ]
+        shifted = (f"or has {name} 1/{2**bits} of its scale?" for name, bits in _shifted(mean))
         why = " ".join(["removed by the driver?", *shifted])
         text = f"the specific force, {norm:.3g} m/s^2, is without gravity: {why}"
         step = "record the specific force with gravity"
@@ -205,6 +200,14 @@ def _of_samples(regular: Regular, raw: Report, motion: rest.Motion) -> Iterable[
                 f"values, the mean is known to half a count"
             )
             yield CheckedFault("coarse values", text, ROUNDED)
+
+
+def _shifted(mean: Mapping[str, float]) -> Iterator[tuple[str, int]]:
+    """Yield each axis and the bits by which a shift of its mean [m/s^2] makes the norm that of gravity."""
+    for name, bits in product(ACCEL, SHIFTS):
+        norm = np.linalg.norm([*(mean | {name: mean[name] * 2**bits}).values()])
+        if abs(norm / STANDARD_GRAVITY - 1) < GRAVITY_TOLERANCE:
+            yield name, bits
 
 
 def _of_length(regular: Regular, motion: rest.Motion) -> Iterable[CheckedFault]:

@@ -112,8 +112,8 @@ def odd_run(scales: Mapping[int, Scale]) -> tuple[Odd[int], int] | None:
     that of the other runs is one.
     """
     known = sorted((name for name in scales if scales[name].noise > 0), key=lambda name: scales[name].noise)
+    middle = known[(len(known) - 1) // 2] if known else None
     for name in known:
-        middle = known[(len(known) - 1) // 2]
         factor = scales[name].noise / scales[middle].noise
         steps = scales[name].lattice, scales[middle].lattice
         by_step = steps[0] / steps[1] if None not in steps else 1.0

@@ -135,8 +135,7 @@ def _order(source: Source, column: int) -> clock_text.Order | None:
     try:
         return clock_text.order_of(pa.array(batch.tolist(), pa.string()) for batch in source.texts(column))
     except ValueError as error:
-        expected, _, found = str(error).partition("; found ")
-        raise LogError(source.path, f"column {source.names[column]}", expected, found) from error
+        raise LogError.at(source.path, f"column {source.names[column]}", error) from error
 
 
 def _of_texts(parts: Sequence[np.ndarray], order: clock_text.Order | None) -> np.ndarray:

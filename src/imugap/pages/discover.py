@@ -269,9 +269,9 @@ def _places(result: FileDiscovery) -> Iterable[Block]:
         return
     yield Text(
         "Each picture compares the log (black) with simulations of the model before and after (band). Bars at the top "
-        f"mark the places where the log leaves the band; of all places, at most {result.alpha:.0%} are chance. For "
-        "this the band is wider where fewer views leave it: a curve beyond it before, one of many, may lie within it "
-        "after, though neither curve nor model of its axis changed. Of each view the surest axis is shown, and every "
+        f"mark the places where the log leaves the band; of all places, at most {result.alpha:.0%} are chance. The "
+        "fewer views disagree, the wider is the band of such a test. A curve that has not changed can therefore leave "
+        "the band before and lie within it after. Of each view the surest axis is shown, and every "
         "axis that is still unexplained; the figure called places beside this page has all."
     )
     drawn = figures.drawn_places(found)

@@ -243,7 +243,7 @@ def _certain_beside_power_law(candidate: Candidate, other: AxisFit) -> bool:
 
 
 def ambiguous_spectrum(added: Sequence[Candidate], found: Found) -> dict[Candidate, Misfit]:
-    """Return the lines and the filter at frequencies, for a comb all, where misfitting noise is most of the power."""
+    """Return the lines and the filter where misfitting noise is most of the power; in total, for ripples."""
     ambiguous = [one for one in found if one.role is Role.NOISE]
     if not ambiguous:
         return {}

@@ -44,7 +44,7 @@ START_SLOPES = 1.5, 2.5, 3.5
 NEIGHBOURHOOD_RATIO = 10.0
 """Ratio to the frequencies of an effect within which the spectrum is its neighbourhood."""
 MAX_RIPPLE_SHARE = 0.1
-"""Maximum log p-value of a ripple that is left, over that of a comb."""
+"""Maximum log p-value of a ripple that is left, over that of a filter whose gain has ripples."""
 BANDS = 24
 TOLERATED_DEVIATION = 0.05
 """Tolerated relative deviation of the power in a band, as real spectra have it."""
@@ -75,7 +75,7 @@ def noise_misfit(candidate: Candidate) -> Misfit:
 def filter_misfit(candidate: Candidate) -> Misfit:
     """Test whether the filter is more significant than the deviation of the spectrum that remains where it acts.
 
-    Its shape is tested where it is a comb: other filters of the catalogue represent all low-pass filters.
+    Its shape is tested where its gain has ripples: the other filters of the catalogue represent all low-pass filters.
     """
     fit, bins = candidate.fit, candidate.fit.sequence.bins
     acts = np.flatnonzero(np.abs(candidate.effect.gain(bins.frequency, bins.interval) - 1) > MIN_SHARE)

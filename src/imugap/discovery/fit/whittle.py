@@ -63,7 +63,7 @@ class Noise:
         return total * self.output_filter.mean_gain(bins.frequency, bins.width, bins.interval)
 
     def gain(self, bins: Bins) -> np.ndarray:
-        """Return the power gain of the filter at each cosine coefficient k = 1..n-1; no mean over bins for a comb."""
+        """Return the power gain of the filter at each cosine coefficient k = 1..n-1, unaveraged if rippled."""
         passes = self.output_filter
         if passes is None:
             return np.ones(bins.count - 1)

@@ -422,12 +422,21 @@ class Search:
             Kind of effects that come last: the exchange of the others may make them significant.
         """
         examined = {} if settled is None else {key: one.trial.gain for key, one in self._by_kind(settled)}
+
+        def last(added: tuple[tuple[type[Effect], int], "Candidate"]) -> bool:
+            return hoped is not None and isinstance(added[1].effect, hoped)
+
         for _ in range(MAX_ADDITIONS):
             found = self.joined(found)
-            changed = self._exchanged(found, examined, hoped)
-            if changed is None:
+            for key, one in sorted(self._by_kind(found), key=last):
+                if key in examined and not _touched(examined[key], one.trial.gain):
+                    continue
+                if (other := self._improvement(one)) is not None:
+                    found = other
+                    break
+                examined[key] = one.trial.gain
+            else:
                 return found
-            found = changed
         return found
 
     def joined(self, found: AxisFit) -> AxisFit:
@@ -442,23 +451,6 @@ class Search:
                     if log_p_of_gain(found.log_likelihood - after.log_likelihood, freed) > self.log_alpha:
                         return self.joined(after)
         return found
-
-    def _exchanged(
-        self, found: AxisFit, examined: dict[tuple[type[Effect], int], float], hoped: type[Effect] | None
-    ) -> AxisFit | None:
-        """Return the fit with the first added effect removed or exchanged for which that is better; else None.
-
-        Effects in ``examined`` whose gain is as it was then are passed over; the others are added to it.
-        """
-        added = sorted(self._by_kind(found), key=lambda one: hoped is not None and isinstance(one[1].effect, hoped))
-        for key, one in added:
-            gain = one.trial.gain
-            if key in examined and not _touched(examined[key], gain):
-                continue
-            if (other := self._improvement(one)) is not None:
-                return other
-            examined[key] = gain
-        return None
 
     def _by_kind(self, found: AxisFit) -> Iterator[tuple[tuple[type[Effect], int], "Candidate"]]:
         """Yield the added effects of a fit, each with its kind and the number of those of its kind before it."""

@@ -68,8 +68,7 @@ def decode(path: Path, settings: ReceiverSettings) -> Decoded:
     try:
         notes = _convert(table, {column: name for name, column in known.items()}, angles)
     except ValueError as error:
-        expected, _, found = str(error).partition("; found ")
-        raise LogError(path, source.heading, expected, found) from error
+        raise LogError.at(path, source.heading, error) from error
     if "vel_u" in table:
         table["vel_d"] = -table.pop("vel_u")
     if unit != "s":

@@ -388,9 +388,9 @@ def _are_units(cells: list[str]) -> bool:
     return 2 * sum(map(looks_like_unit, units)) > len(units)
 
 
-def _orders(path: Path, dialect: Dialect) -> dict[int, clock_text.Order | str]:
+def _orders(path: Path, dialect: Dialect) -> dict[int, clock_text.Order | ValueError]:
     """Return the order of day, month and year of the columns of such dates, or why it is not known."""
-    orders: dict[int, clock_text.Order | str] = {}
+    orders: dict[int, clock_text.Order | ValueError] = {}
     for column in range(len(dialect.names)):
         if not pa.types.is_string(_kind(dialect, column)):
             continue
@@ -400,19 +400,18 @@ def _orders(path: Path, dialect: Dialect) -> dict[int, clock_text.Order | str]:
         except pa.ArrowInvalid:
             continue
         except ValueError as error:
-            orders[column] = str(error)
+            orders[column] = error
     return orders
 
 
 def _batches(
-    path: Path, dialect: Dialect, columns: Sequence[int], orders: Mapping[int, clock_text.Order | str]
+    path: Path, dialect: Dialect, columns: Sequence[int], orders: Mapping[int, clock_text.Order | ValueError]
 ) -> Iterator[list[np.ndarray]]:
     """Yield the numbers of columns, shape (n,); dates are nanoseconds since 1970, times of day since midnight."""
     kinds = {column: _kind(dialect, column) for column in columns}
     for column in columns:
-        if isinstance(why := orders.get(column), str):
-            expected, _, found = why.partition("; found ")
-            raise LogError(path, f"column {dialect.names[column] or column + 1}", expected, found)
+        if isinstance(unknown := orders.get(column), ValueError):
+            raise LogError.at(path, f"column {dialect.names[column] or column + 1}", unknown) from unknown
     try:
         for batch in _read(path, dialect, kinds):
             yield [_numbers(batch[k], orders.get(k)) for k in columns]

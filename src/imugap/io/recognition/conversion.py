@@ -159,8 +159,7 @@ def asked(function, place: str, *arguments):
     except LogError:
         raise
     except ValueError as error:
-        expected, _, found = str(error).partition("; found ")
-        raise LogError("log", place, expected.removeprefix("expected "), found) from error
+        raise LogError.at("log", place, error) from error
 
 
 def _time_unit(

@@ -107,7 +107,7 @@ def require_rate(time: np.ndarray, unit: str) -> None:
 
 
 def require_possible(time: np.ndarray, unit: str) -> None:
-    """Raise a ValueError where stamps, shape (n,), have a rate of no inertial sensor, whatever said their unit."""
+    """Raise a ValueError where stamps, shape (n,), have a rate of no inertial sensor, in any stated unit."""
     rate = 1 / (step_of(time) * factor(unit))
     if len(time) >= FEWEST and not LEAST_HZ <= rate <= MOST_HZ:
         limits = f"{LEAST_HZ:g} to {MOST_HZ:g} Hz"
