@@ -46,7 +46,8 @@ def table_values(table: pd.DataFrame, rng: Rng) -> pd.DataFrame:
 
 
 def _column(table: pd.DataFrame, rng: Rng) -> str:
-    return str(rng.choice(list(table.columns)))
+    """Return the name of a column that is there once."""
+    return str(rng.choice(list(table.columns.drop_duplicates(keep=False))))
 
 
 def _cell(table, rng):

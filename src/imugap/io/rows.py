@@ -15,6 +15,8 @@ EVEN, NEAR = 0.95, 0.1
 MIXED, LOCAL = 0.02, 64
 """Share of steps back of rows that are out of order everywhere, and rows by which others are displaced: a few rows that
 are displaced by more are another run."""
+LONGEST = 1e12
+"""Longest step of sorted stamps, in intervals of an even clock."""
 LARGEST_SAMPLE, LARGEST_STAMP = 1e12, 1e20
 """Largest magnitude of a sample and of a stamp, in any unit: beyond any word of a device, and with powers in range."""
 
@@ -39,7 +41,10 @@ def by_stamps(raw: np.ndarray) -> tuple[np.ndarray, str] | None:
         return np.arange(len(raw))[::-1], "rows from the last to the first, as their stamps go back"
     order = np.argsort(raw, kind="stable")
     sorted_steps = np.diff(raw[order])
-    intervals = sorted_steps / np.median(sorted_steps) if sorted_steps.min() > 0 else np.zeros(1)
+    interval = np.median(sorted_steps)
+    if sorted_steps.min() <= 0 or sorted_steps.max() / LONGEST > interval:
+        return None
+    intervals = sorted_steps / interval
     even = (np.rint(intervals) > 0) & (np.abs(intervals - np.rint(intervals)) < NEAR)
     moved = np.abs(order - np.arange(len(raw)))
     if even.mean() < EVEN or (back < MIXED * len(raw) and moved.max() > LOCAL):
