@@ -5,7 +5,16 @@ from tests.chance import as_often_as
 
 from imugap import log
 from imugap.effects import BiasInstability, Conditions, RandomWalk, WhiteNoise
-from imugap.estimation.indices import BATCHES, INDICES, of_run, over_runs, repeatability, shortest
+from imugap.estimation.indices import (
+    BATCHES,
+    INDICES,
+    IndexSamples,
+    of_run,
+    of_samples,
+    over_runs,
+    repeatability,
+    shortest,
+)
 from imugap.estimation.variances import allan
 from imugap.stream import stream
 from imugap.units import factor
@@ -206,3 +215,9 @@ def test_units_of_the_indices_are_convertible():
         assert factor(index.unit("accel_x")) > 0
         assert index.unit("gyro_z") == index.gyro_unit
         assert index.unit("accel_z") == index.accel_unit
+
+
+def test_a_bias_needs_measured_samples():
+    samples = IndexSamples("gyro_x", np.arange(100.0), np.arange(100) >= BATCHES - 1, 1.0)
+    with pytest.raises(log.LogError, match="gyro_x: expected at least 10 measured samples; found 9"):
+        of_samples(samples, 0.0, 1.0, ("bias",))

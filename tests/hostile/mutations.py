@@ -40,14 +40,18 @@ def table_values(table: pd.DataFrame, rng: Rng) -> pd.DataFrame:
     table = table.reset_index()
     changes = rng.choice(len(TABLE_CHANGES), size=rng.integers(1, 3), replace=False)
     for change in changes:
-        if len(table) > 2:
+        if len(table) > 2 and _single(table):
             table = TABLE_CHANGES[change](table, rng)
     return table
 
 
 def _column(table: pd.DataFrame, rng: Rng) -> str:
-    """Return the name of a column that is there once."""
-    return str(rng.choice(list(table.columns.drop_duplicates(keep=False))))
+    return str(rng.choice(_single(table)))
+
+
+def _single(table: pd.DataFrame) -> list[str]:
+    """Return the names of the columns that are there once."""
+    return list(table.columns.drop_duplicates(keep=False))
 
 
 def _cell(table, rng):

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import Field, dataclass, field, fields, replace
 from enum import IntEnum
-from functools import partial
+from functools import cache, partial
 from math import isfinite
 from numbers import Real
 from typing import ClassVar, Self
@@ -138,6 +138,12 @@ def parameter(unit: str, meaning: str, low: float = 0.0, high: float = np.inf, w
     return field(metadata={"unit": unit, "meaning": meaning, "low": low, "high": high, "whole": whole}, **kwargs)
 
 
+@cache
+def declared(kind: type["Effect"]) -> tuple[Field, ...]:
+    """Return the parameters that a kind of effects declares."""
+    return fields(kind)
+
+
 @dataclass(frozen=True)
 class Start:
     """Where the fit of an effect that may be missing starts.
@@ -222,7 +228,7 @@ class Effect:
 
     def __post_init__(self) -> None:
         """Check every parameter against its physical limits."""
-        for item in fields(self):
+        for item in declared(type(self)):
             value, low, high = getattr(self, item.name), item.metadata["low"], item.metadata["high"]
             whole = item.metadata["whole"]
             number = isinstance(value, Real) and not isinstance(value, bool)
@@ -311,24 +317,26 @@ class Effect:
 
     def parameters(self) -> dict[str, float]:
         """Return the parameters by name, in SI units."""
-        return {item.name: getattr(self, item.name) for item in fields(self)}
+        return {item.name: getattr(self, item.name) for item in declared(type(self))}
 
     def free(self) -> tuple[str, ...]:
         """Return the parameters that a fit adjusts: none that is whole, and none with a sign.
 
         Those of a term of the mean differ from fit to fit (:class:`Start`).
         """
-        return tuple(item.name for item in fields(self) if not item.metadata["whole"] and item.metadata["low"] >= 0)
+        return tuple(
+            item.name for item in declared(type(self)) if not item.metadata["whole"] and item.metadata["low"] >= 0
+        )
 
     @classmethod
     def units(cls, axis_unit: str) -> dict[str, str]:
         """Return the SI unit of each parameter for an axis measured in ``axis_unit``."""
-        return {item.name: item.metadata["unit"].replace("{u}", axis_unit) for item in fields(cls)}
+        return {item.name: item.metadata["unit"].replace("{u}", axis_unit) for item in declared(cls)}
 
     @classmethod
     def limits(cls) -> dict[str, tuple[float, float]]:
         """Return the physical limits of each parameter."""
-        return {item.name: (item.metadata["low"], item.metadata["high"]) for item in fields(cls)}
+        return {item.name: (item.metadata["low"], item.metadata["high"]) for item in declared(cls)}
 
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:
@@ -421,7 +429,7 @@ class StochasticEffect(AllanEffect):
     @classmethod
     def size(cls) -> str:
         """Return the name of its first parameter, with whose square the spectrum goes."""
-        return fields(cls)[0].name
+        return declared(cls)[0].name
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Return the two-sided power spectral density [unit^2/Hz] at ``frequency`` [Hz] of the continuous process."""

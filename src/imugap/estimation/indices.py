@@ -103,6 +103,9 @@ def of_samples(one: IndexSamples, ideal: float, period: float, symbols: tuple[st
     """Return the indices of one axis of a static run as :func:`of_run` does; drawn samples have no part in the bias."""
     interval = one.interval
     _long_enough(len(one.values) * interval, interval, period, symbols)
+    measured = np.count_nonzero(~one.drawn)
+    if measured < BATCHES:
+        raise log.LogError("log", one.axis, f"at least {BATCHES} measured samples", str(measured))
     error = one.values - ideal
     rows = []
     if "bias" in symbols:

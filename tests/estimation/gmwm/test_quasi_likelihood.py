@@ -167,3 +167,24 @@ def test_times_and_stds_beyond_the_log_have_no_upper_end():
     assert ends(profile, Constraint(ConstraintKind.SQUARE, 1, 0), 3.84, 2.0)[1] == np.inf
     low, high = ends(profile, Constraint(ConstraintKind.DRIVING, 1, 0), 3.84, 0.1)
     assert 0 < low < high < np.inf
+
+
+def test_a_process_may_be_absent_where_another_can_stand_for_it():
+    """The estimate has white noise alone; without it the Gauss-Markov process takes its place, at some deviance."""
+    family = family_of(WhiteNoise, GaussMarkov)
+    seen = family.densities[:, 0] * stream(3, "alone").chisquare(EDF) / EDF
+    solver = QuasiScoreSolver(family, seen, DIAGONAL)
+    white = solver.at(np.log([20.0]), np.array([1.0, 0.0]))
+    without = Constraint(ConstraintKind.SQUARE, 0)
+    low, point = DevianceProfile(solver, white).end(without, -1, 1e6, 1e9)
+    assert low == 0
+    assert point.squares[0] == 0
+    assert (point.implied > 0).all()
+
+
+def test_the_only_process_is_not_absent():
+    family = family_of(WhiteNoise)
+    solver = QuasiScoreSolver(family, family.densities[:, 0].copy(), DIAGONAL)
+    only = solver.at(np.empty(0), np.array([1.0]))
+    low, _ = DevianceProfile(solver, only).end(Constraint(ConstraintKind.SQUARE, 0), -1, 4.0, 1e9)
+    assert 0 < low < 1

@@ -112,7 +112,7 @@ class Trial:
     @property
     def cost(self) -> float:
         """Cost of its parameters and trials in log-likelihood."""
-        return PARAMETER_COST * self.parameters + float(np.log(self.trials))
+        return cost(self.parameters, self.trials)
 
     @property
     def worth(self) -> float:
@@ -269,8 +269,10 @@ class Search:
         added = self.added(after)
         return len(added) > len(self.added(before)) and all(one.significant for one in added)
 
-    def trials(self, before: AxisFit, bar: float, whole: AxisFit | None = None) -> Iterator[Trial]:
-        """Yield every proposal, fitted, whose log-probability may come below ``bar``.
+    def trials(
+        self, before: AxisFit, bar: float, whole: AxisFit | None = None, worth: float = -np.inf
+    ) -> Iterator[Trial]:
+        """Yield every proposal, fitted, whose log-probability may come below ``bar``, and whose worth above another.
 
         ``whole`` is a fit to the same samples with all effects of ``before`` and more, whose likelihood behind a filter
         is no less than that of ``before`` behind it.
@@ -279,14 +281,16 @@ class Search:
             if sum(isinstance(one, kind) for one in before.description.effects()) > (kind.most or MAX_ADDITIONS):
                 continue
             if kind.role is Role.FILTER:
-                yield from self._filters(kind, before, bar, whole)
+                yield from self._filters(kind, before, bar, whole, worth)
                 continue
             for start in kind.starts(before):
-                if _moves(start.effect, before) or may_reach(start, bar):
+                if _moves(start.effect, before) or (may_reach(start, bar) and most_worth(start) > worth):
                     yield self.trial_of(start, before)
         yield from self._noise_instead(before)
 
-    def _filters(self, kind: type[Effect], before: AxisFit, bar: float, whole: AxisFit | None) -> Iterator[Trial]:
+    def _filters(
+        self, kind: type[Effect], before: AxisFit, bar: float, whole: AxisFit | None, worth: float
+    ) -> Iterator[Trial]:
         """Yield the filters of all shapes, the noise behind each fitted from that behind the one of its form before."""
         noise = None
         for start in kind.starts(before):
@@ -296,7 +300,7 @@ class Search:
                 continue
             alike = noise is not None and noise.output_filter.form == start.effect.form
             start, noise = behind_filter(start, before, noise if alike and not before.sequence.in_motion else None)
-            if may_reach(start, bar):
+            if may_reach(start, bar) and start.gain - cost(len(start.free), start.trials) > worth:
                 trial = self.trial_of(start, before, before.description.with_noise(noise))
                 if not before.sequence.in_motion or noise_shows_filter(trial, self.log_alpha):
                     yield trial
@@ -470,7 +474,7 @@ class Search:
         if own.log_p > self.log_alpha:
             return without
         bar = min(self.log_alpha, own.log_p + LOG_P_MARGIN)
-        tried = (one for one in self.trials(without, bar, candidate.fit) if one.log_p < bar)
+        tried = (one for one in self.trials(without, bar, candidate.fit, own.worth) if one.log_p < bar)
         others = (one for one in tried if _another(one.effect, own.effect) or one.parameters < own.parameters)
         best = max(others, key=lambda trial: trial.worth, default=None)
         if best is not None and best.worth > own.worth + MIN_EXCHANGE_GAIN:
@@ -652,6 +656,17 @@ def _moves(effect: Effect, before: AxisFit) -> bool:
 def may_reach(start: Start, bar: float) -> bool:
     """Return whether the log-probability of a proposal may come below ``bar``."""
     return log_p_of_gain(GAIN_SLACK * start.gain + GAIN_SLACK, len(start.free)) + np.log(start.trials) < bar
+
+
+def most_worth(start: Start) -> float:
+    """Return the highest worth that a proposal may have."""
+    most = GAIN_SLACK * start.gain + GAIN_SLACK
+    return most - cost(len(start.free), start.trials) + expected(type(start.effect))
+
+
+def cost(parameters: int, trials: float) -> float:
+    """Return the cost of parameters and trials in log-likelihood."""
+    return PARAMETER_COST * parameters + float(np.log(trials))
 
 
 def expected(*kinds: type[Effect]) -> float:

@@ -173,6 +173,11 @@ class QuasiScoreSolver:
         columns = np.hstack([self.family.densities, self.family.markov(times)])
         return Point(times, columns, squares, self.weights.distance(self.observed, columns @ squares))
 
+    def each_alone(self, times: np.ndarray) -> np.ndarray:
+        """Return the squared density or std with which each process alone lies beneath the observed variances."""
+        columns = np.hstack([self.family.densities, self.family.markov(times)])
+        return np.min(self.observed[:, None] / columns, axis=0)
+
     def _newton(self, point: Point, constraint: Constraint) -> tuple[np.ndarray, float]:
         """Return Newton's step of the squared densities, then of the log times, and its squared length."""
         jacobian, bend = self._derivatives(point, constraint)
@@ -296,5 +301,10 @@ class _ProfilePath:
             times[constraint.markov] = self.value(distance)
         else:
             constraint = replace(constraint, value=float(self.value(distance)))
-        self.point = solver.solve(solver.at(times, self.point.squares, constraint), constraint, COARSE)[0][-1]
+        squares = self.point.squares
+        if constraint.value == 0 and not np.delete(squares, constraint.column).any():
+            if len(squares) == 1:
+                return np.inf
+            squares = solver.each_alone(times)
+        self.point = solver.solve(solver.at(times, squares, constraint), constraint, COARSE)[0][-1]
         return solver.weights.deviance(solver.observed, self.profile.best.implied, self.point.implied)
