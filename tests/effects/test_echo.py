@@ -124,3 +124,8 @@ def test_its_interval_holds_its_size_as_often_as_it_says():
         low_high = intervals(fit(data, KNOWN.adding(Echo(0.3, 12))), 1)["size"]
         inside += low_high.low < 0.4 < low_high.high
     assert inside >= 86
+
+
+def test_a_delay_beyond_what_a_block_keeps_is_refused():
+    with pytest.raises(ValueError, match=r"echo\.delay: expected a whole number in \[1, 100000\]; found 8.*e\+20"):
+        Echo(0.5, 8.9e20)

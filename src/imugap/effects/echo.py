@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.block import Block, require_short
+from imugap.effects.block import LONGEST, Block
 from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import TINY, FilterEffect, Start, Transform, parameter
 from imugap.effects.residual import Residual
@@ -25,7 +25,7 @@ class Echo(FilterEffect):
     name: ClassVar[str] = "echo"
     rippled: ClassVar[bool] = True
     size: float = parameter("1", "a, size of the copy over that of the signal", low=TINY, high=1.0)
-    delay: float = parameter("1", "d, delay in samples", low=1.0, whole=True)
+    delay: float = parameter("1", "d, delay in samples", low=1.0, high=float(LONGEST), whole=True)
     inverted: float = parameter("1", "1 for a copy that is subtracted", high=1.0, whole=True, default=0)
 
     @property
@@ -77,7 +77,6 @@ class Echo(FilterEffect):
 
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step."""
-        require_short(self.name, self.delay)
         return Block(_step, {"size": self.signed, "earlier": np.zeros(int(self.delay))}, _steady)
 
     @classmethod
