@@ -313,6 +313,16 @@ def trial_tables(wildcards):
     return made_or_recorded(wildcards.trials, TRIAL_CASES)
 
 
+def ablation_tables(wildcards):
+    """Name the comparisons of names with wrong names: of their run here, or of the recorded one with its record."""
+    return made_or_recorded(wildcards.ablation, ["comparisons"])
+
+
+def injection_tables(wildcards):
+    """Name the trials of effects in real logs: of their run here, or of the recorded one with its record."""
+    return made_or_recorded(wildcards.injection, ["trials"])
+
+
 def dossier_of_log(wildcards):
     """Name the page of what is found on the log of the configuration."""
     if not OWN_DISCOVERY:

@@ -191,44 +191,6 @@ rule unseen_page:
         "../scripts/unseen_page.py"
 
 
-rule injection:
-    """Add known effects to the real logs of a device, and see whether discovery names them with their sizes."""
-    input:
-        logs=of_runs("means.parquet"),
-    output:
-        trials="results/{device}/injection.csv",
-    log:
-        "logs/injection/{device}.log",
-    threads: 2
-    resources:
-        mem_mb=3000,
-        runtime=120,
-    params:
-        runs=lambda wildcards: RUNS[wildcards.device],
-        sizes=config["injection"]["sizes"],
-        together=config["injection"]["together"],
-        settings=DISCOVERY_SETTINGS,
-        seed=config["seed"],
-        code=library("injection"),
-    script:
-        "../scripts/injection.py"
-
-
-rule injection_page:
-    """Tabulate how often injected effects are named, and how right their sizes are."""
-    input:
-        trials="results/{device}/injection.csv",
-    output:
-        table=table("injection_{device}", "Discovery", "injected effects (table), {device}", caption="injection"),
-        numbers="paper/numbers/injection_{device}.json",
-    log:
-        "logs/injection_page/{device}.log",
-    params:
-        code=library("injection_page"),
-    script:
-        "../scripts/injection_page.py"
-
-
 rule missing_page:
     """Tabulate what is missing from the models of a device, where, and how far the discrepancy shrinks on other runs."""
     input:
@@ -308,6 +270,5 @@ rule missing_score:
 PAPER["discovery"] += rules.story_page.output
 PAPER["discovery"] += expand(rules.missing_page.output, device=MISSING_OF)
 PAPER["discovery"] += expand(rules.unseen_page.output, device=UNSEEN_OF)
-PAPER["discovery"] += expand(rules.injection_page.output, device=UNSEEN_OF)
 PAPER["discovery"] += rules.motion_page.output if SIGHTED else []
 PAPER["discovery"] += rules.missing_score.output if "bench" in MISSING_OF else []

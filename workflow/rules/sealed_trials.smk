@@ -73,7 +73,7 @@ rule ablation:
         recipe="benchmark/src/imu_benchmark/recipe.toml",
         logs=[path for device in UNSEEN_OF for path in per_run(device, "means.parquet")],
     output:
-        comparisons="results/ablation.csv",
+        comparisons="results/ablation/comparisons.csv",
     log:
         "logs/ablation.log",
     resources:
@@ -92,18 +92,61 @@ rule ablation:
 
 
 rule ablation_page:
-    """Tabulate how much of the held-out gain of a name a wrong name has."""
+    """Tabulate how much of the held-out gain of a name a wrong name has, of a run here or of the recorded one."""
     input:
-        comparisons="results/ablation.csv",
+        unpack(ablation_tables),
     output:
-        table=table("ablation", "Discovery", "names and wrong names (table)", caption="ablation"),
-        numbers="paper/numbers/ablation.json",
+        table=table("{ablation}", "Discovery", "names and wrong names (table)", caption="ablation"),
+        numbers="paper/numbers/{ablation}.json",
     log:
-        "logs/ablation_page.log",
+        "logs/{ablation}_page.log",
+    wildcard_constraints:
+        ablation="ablation|ablation_recorded",
     params:
         code=library("ablation_page"),
     script:
         "../scripts/ablation_page.py"
 
 
-PAPER["discovery"] += rules.ablation_page.output if "discovery" in CHAPTERS else []
+rule injection:
+    """Add known effects to the real logs of devices, and see whether discovery names them with their sizes."""
+    input:
+        logs=[path for device in UNSEEN_OF for path in per_run(device, "means.parquet")],
+    output:
+        trials="results/injection/trials.csv",
+    log:
+        "logs/injection.log",
+    threads: 2
+    resources:
+        mem_mb=3000,
+        runtime=120,
+    params:
+        runs=[(device, run) for device in UNSEEN_OF for run in RUNS[device]],
+        sizes=config["injection"]["sizes"],
+        together=config["injection"]["together"],
+        settings=DISCOVERY_SETTINGS,
+        seed=config["seed"],
+        code=library("injection"),
+    script:
+        "../scripts/injection.py"
+
+
+rule injection_page:
+    """Tabulate how often injected effects are named, and how right their sizes are, here or in the recorded run."""
+    input:
+        unpack(injection_tables),
+    output:
+        table=table("{injection}", "Discovery", "injected effects (table)", caption="injection"),
+        numbers="paper/numbers/{injection}.json",
+    log:
+        "logs/{injection}_page.log",
+    wildcard_constraints:
+        injection="injection|injection_recorded",
+    params:
+        code=library("injection_page"),
+    script:
+        "../scripts/injection_page.py"
+
+
+RECORDED_NAMES = ["paper/numbers/ablation_recorded.json", "paper/numbers/injection_recorded.json"]
+PAPER["discovery"] += RECORDED_NAMES if config["trials"]["recorded"] else []

@@ -6,7 +6,7 @@ from imu_benchmark.scores import rate
 from imugap.effects import title_of
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
-from imugap.workflow.products import save
+from imugap.workflow.products import record_of, save
 
 DECIDED = 2.0
 """Gain of log-density [nat] of the name beyond which a share of it is stated."""
@@ -58,4 +58,4 @@ def numbers(data):
 with job(snakemake) as (source, _, output):
     data = pd.read_csv(source.comparisons)
     found = summary(data)
-    save(output, table=(found, page(found)), numbers=numbers(data))
+    save(output, table=(found, page(found)), numbers={"of": numbers(data)} | record_of(dict(source.items())))

@@ -3,11 +3,10 @@
 from pathlib import Path
 
 import pandas as pd
-import yaml
 
 from imu_benchmark import summary
 from imugap.workflow.job_log import job
-from imugap.workflow.products import save
+from imugap.workflow.products import record_of, save
 
 KINDS = ("single", "pair", "triple", "nothing", "unknown")
 
@@ -29,9 +28,8 @@ def numbers(scores, answers, clear_size):
 with job(snakemake) as (source, params, output):
     files = dict(source.items())
     scores, answers = pd.read_csv(files["summary"]), pd.read_csv(files["answers"])
-    record = yaml.safe_load(Path(files["record"]).read_text()) if "record" in files else {}
     save(
         output,
         table=(scores, summary.table(scores).rename(columns=lambda name: name.replace("_", " "))),
-        numbers=numbers(scores, answers, params.clear_size) | record,
+        numbers=numbers(scores, answers, params.clear_size) | record_of(files),
     )

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import pandas as pd
-import yaml
 
 from imu_benchmark import scores as blind
 from imugap.effects import title_of
@@ -12,7 +11,7 @@ from imugap.figures.style import AXIS_TITLES
 from imugap.figures.views import title
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
-from imugap.workflow.products import save
+from imugap.workflow.products import record_of, save
 
 TERMS = {"white_noise": "WN", "quantization": "QN", "random_walk": "RW", "gauss_markov": "AR1", "rate_ramp": "DR"}
 """What the R package gmwm calls the names that its choice of a model can give."""
@@ -214,7 +213,6 @@ with job(snakemake) as (source, params, output):
     detection, confusion = blind.detection(scores.effects), blind.confusion(scores.effects, clear)
     misses, calibration = blind.wrong_answers(scores, clear), blind.calibration(p_values)
     beside, peer = blind.stochastic_names(scores.effects, TERMS, clear), pd.read_csv(source["peer"])
-    record = yaml.safe_load(Path(source["record"]).read_text()) if "record" in source else {}
     save(
         output,
         detection_figure=drawn.detection(detection, clear),
@@ -231,5 +229,5 @@ with job(snakemake) as (source, params, output):
         calibration=(calibration, calibration_page(calibration)),
         beside=(beside, beside_page(beside)),
         peer=(peer, peer_page(peer)),
-        numbers=numbers(scores, table, beside, misses, seconds, clear) | record,
+        numbers=numbers(scores, table, beside, misses, seconds, clear) | record_of(source),
     )

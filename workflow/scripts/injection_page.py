@@ -6,7 +6,7 @@ from imu_benchmark.scores import rate
 from imugap.effects import title_of
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
-from imugap.workflow.products import save
+from imugap.workflow.products import record_of, save
 
 
 def summary(trials):
@@ -53,10 +53,11 @@ def numbers(trials):
     shares = {"alone": rate(alone["named"].astype(bool)), "several": rate(several["named"].astype(bool)),
               "inside": rate(inside)}  # fmt: skip
     alone_by_name = trials["name"].where(trials["together"] == 1, "")  # effects added together are one trial
-    others = trials.groupby(["run", "axis", "size", "together", alone_by_name])["others"].first()
+    others = trials.groupby(["device", "run", "axis", "size", "together", alone_by_name])["others"].first()
     return {
+        "devices": trials["device"].drop_duplicates().tolist(),
         "clear": f"{clear['size'].iloc[0]:g}",
-        "logs": len(trials.drop_duplicates(["run", "axis"])),
+        "logs": len(trials.drop_duplicates(["device", "run", "axis"])),
         "most": int(trials["together"].max()),
         "others": int((others > 0).sum()),
         "trials": len(others),
@@ -73,4 +74,4 @@ def numbers(trials):
 with job(snakemake) as (source, _, output):
     trials = pd.read_csv(source.trials)
     found = summary(trials)
-    save(output, table=(found, page(found)), numbers=numbers(trials))
+    save(output, table=(found, page(found)), numbers=numbers(trials) | record_of(dict(source.items())))

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import yaml
 
 from imu_benchmark.forecasts import OTHER, ambiguity_sets, brier_score, calibration_error, log_score, reliability
 from imu_benchmark.scores import NONE, UNKNOWN, rate
@@ -15,7 +14,7 @@ from imugap.study import verdicts
 from imugap.study.discovery.detection_loss import bonferroni_half_size, half_size
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
-from imugap.workflow.products import save
+from imugap.workflow.products import record_of, save
 
 CHOICES = len(CATALOGUE) * len(AXES)
 RESAMPLES = 400
@@ -119,7 +118,6 @@ def numbers(table, losses, tried):
 with job(snakemake) as (source, _, output):
     files = dict(source.items())
     table, curves = pd.read_csv(files["forecasts"]), pd.read_csv(files["curves"])
-    record = yaml.safe_load(Path(files["record"]).read_text()) if "record" in files else {}
     bins, losses = reliability(table), loss_table(curves)
     curve = pd.DataFrame([{"size": size} | rate(group["seen"]) for size, group in curves.groupby("size")])
     save(
@@ -128,5 +126,5 @@ with job(snakemake) as (source, _, output):
         curves_figure=drawn.losses(curve, losses, CHOICES),
         reliability=(bins, reliability_page(bins)),
         losses=(losses, loss_page(losses)),
-        numbers=numbers(table, losses, curves.groupby("name")["size"].max()) | record,
+        numbers=numbers(table, losses, curves.groupby("name")["size"].max()) | record_of(files),
     )

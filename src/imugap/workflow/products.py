@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pandas as pd
+import yaml
 
 from imugap.workflow import tables
 
@@ -21,6 +22,11 @@ def write_figure(figure, path: str | Path, kind: str = "svg") -> None:
 def read_json(path: str | Path) -> dict:
     """Read plain data."""
     return json.loads(Path(path).read_text())
+
+
+def record_of(source: Mapping[str, object]) -> dict:
+    """Return date, commit and machine of a recorded run, from the input ``record``; nothing for a run made here."""
+    return yaml.safe_load(Path(source["record"]).read_text()) if "record" in source else {}
 
 
 def save(output: Mapping[str, object], **products: object) -> None:
