@@ -22,12 +22,14 @@ def test_samples_have_the_allan_variance_of_the_covariance():
     assert mean_is(found, BAND.sampled_allan_variance(averaging, 0.01), share=0.03)
 
 
-@pytest.mark.parametrize("tau", [1e-3, 0.05, 0.4, 20.0])
-def test_allan_variance_is_the_spectral_integral(tau):
+@pytest.mark.parametrize(
+    ("band", "tau"), [*((BAND, tau) for tau in (1e-3, 0.05, 0.4, 20.0)), (BandNoise(0.3, 0.0, 4e-9), 3.0)]
+)
+def test_allan_variance_is_the_spectral_integral(band, tau):
     def of(f):
-        return 4 * BAND.density**2 * np.sin(np.pi * f * tau) ** 4 / (np.pi * f * tau) ** 2
+        return 4 * band.density**2 * np.pi**2 * (f * tau) ** 2 * np.sinc(f * tau) ** 4
 
-    assert BAND.allan_variance(tau) == pytest.approx(quad(of, *BAND.edges, limit=2000)[0], rel=1e-9)
+    assert band.allan_variance(tau) == pytest.approx(quad(of, *band.edges, limit=2000)[0], rel=1e-9)
 
 
 def test_bands_that_touch_are_one_band():

@@ -1,6 +1,5 @@
 """Tabulate the baselines beside discovery, and write what the text says of them."""
 
-from pathlib import Path
 
 import pandas as pd
 

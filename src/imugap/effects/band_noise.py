@@ -12,6 +12,8 @@ from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import Start, StochasticEffect, Transform, parameter
 from imugap.effects.residual import Residual
 
+SMALL = 0.01
+"""Argument up to which a series gives the integral of the transfer function to rounding."""
 PERIODS = 64
 """Length of a segment of a run in parts, in inverse widths of the band."""
 
@@ -96,7 +98,7 @@ class BandNoise(StochasticEffect):
         """
         tau = np.asarray(tau, float)
         below, above = (_transfer(np.pi * end * tau) for end in self.edges)
-        return 4 * self.density**2 / (np.pi * tau) * (above - below)
+        return 4 * self.density**2 / (np.pi * tau) * np.maximum(above - below, 0.0)
 
     def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
         """Return the quadratic form of the autocovariance 2 density^2 int cos(2 pi f lag) df over the band."""
@@ -114,7 +116,7 @@ class BandNoise(StochasticEffect):
 
 
 def _transfer(x: np.ndarray) -> np.ndarray:
-    """Return the integral of sin^4(u)/u^2 from 0 to ``x``."""
-    safe = np.where(x > 0, x, 1.0)
+    """Return the integral of sin^4(u)/u^2 from 0 to ``x``, by its series where the terms cancel."""
+    safe = np.where(x > SMALL, x, 1.0)
     value = sici(2 * safe)[0] - sici(4 * safe)[0] / 2 - np.sin(safe) ** 4 / safe
-    return np.where(x > 0, value, 0.0)
+    return np.where(x > SMALL, value, x**3 / 3 - 2 * x**5 / 15 + x**7 / 35)
