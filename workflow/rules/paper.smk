@@ -32,6 +32,7 @@ rule paper:
         chapters=sorted(map(str, Path("paper").glob("*/*.typ"))),
         summary="paper/summary.typ",
         style="paper/style.typ",
+        answers="paper/answers.typ",
         bibliography="paper/references.bib",
     output:
         pdf=report("paper/paper.pdf", caption="../report/paper.rst", category="Paper"),
