@@ -51,3 +51,12 @@ def test_a_run_of_another_scale_is_refused_by_all_that_join_runs():
         ):
             join()
     assert imugap.indices(recorded(0), recorded(1), recorded(2)).runs == 3
+
+
+@pytest.mark.parametrize("reader", [read, lambda path: list(stream(path)[1])])
+def test_what_no_device_measures_is_refused_as_such(tmp_path, reader):
+    log = recorded()
+    log.iloc[100:120, 5] *= 1e300
+    log.to_csv(tmp_path / "log.csv")
+    with pytest.raises(LogError, match=r"line 102, column accel_z: expected a number of at most 1e\+12 either way"):
+        reader(tmp_path / "log.csv")

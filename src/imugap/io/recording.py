@@ -32,7 +32,15 @@ from imugap.io.recognition import column_names, frame, samples, stamps
 from imugap.io.recognition.column_names import SKIP, Assignment
 from imugap.io.recognition.conversion import Conversion, asked, conversion
 from imugap.io.recognition.settings import DEFAULTS, RecordingSettings
-from imugap.io.rows import advances, by_stamps, require_numbers, require_order, require_range, without_filler
+from imugap.io.rows import (
+    advances,
+    by_stamps,
+    require_numbers,
+    require_order,
+    require_range,
+    within_range,
+    without_filler,
+)
 from imugap.io.sample_counter import with_counted
 from imugap.io.scales import require_one_scale
 from imugap.io.split_stamps import with_stamps
@@ -154,7 +162,8 @@ def stream(path: str | Path, settings: RecordingSettings = DEFAULTS) -> tuple[Co
         source, selection = _of_rows(source, selection, settings)
         stretches = _stretches(source, selection)
         _require_one_device(source, stretches, selection, settings)
-        excerpt = dict(zip(selection.assignment.columns, np.hstack([one for one, _ in stretches]), strict=True))
+        samples = within_range(np.hstack([one for one, _ in stretches]))  # what is beyond is refused in its part
+        excerpt = dict(zip(selection.assignment.columns, samples, strict=True))
         raw = None if selection.stamp is None else np.concatenate([stamps for _, stamps in stretches])
         _require_clock(source, raw)
         require_one_scale(excerpt)

@@ -98,5 +98,10 @@ def require_range(columns: Mapping[str, np.ndarray], path: Path, place: Callable
             raise LogError(path, f"{place(int(beyond[0]))}, column {name}", expected, found)
 
 
+def within_range(values: np.ndarray) -> np.ndarray:
+    """Return samples, NaN where they are beyond the range of any device."""
+    return np.where(np.abs(values) <= LARGEST_SAMPLE, values, np.nan)
+
+
 def _counted(rows: np.ndarray) -> str:
     return f"{len(rows)} such row{'s' if len(rows) > 1 else ''}"

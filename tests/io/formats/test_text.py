@@ -48,6 +48,13 @@ def test_every_encoding_is_read(tmp_path, encoding):
     np.testing.assert_allclose(found.log["gyro_x"], np.radians(samples()[:, 1]), rtol=1e-8)
 
 
+def test_a_text_that_ends_within_a_character_is_refused(tmp_path):
+    path = write_text(tmp_path / "run.csv", NAMES, samples())
+    path.write_bytes(path.read_bytes().decode().encode("utf-16")[:-1])
+    with pytest.raises(LogError, match=r"run\.csv: bytes: expected text in utf-16; found truncated data"):
+        read(path)
+
+
 def test_a_line_of_units_below_the_names_is_read(tmp_path):
     names = ["Stamp," + ",".join(f"{k}_{a}" for k in ("Gyro", "Accel") for a in "XYZ")]
     table = samples() * [1e3, *[1] * 3, *[1 / 9.80665] * 3]

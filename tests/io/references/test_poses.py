@@ -82,6 +82,7 @@ def test_rows_without_a_number_are_left_out(tmp_path):
         (rows(TIME, PLACE, 2 * XYZW, separator=" "), "norm 2"),
         (rows(TIME[::-1], PLACE, XYZW, separator=" "), "1400000000.0"),
         (rows(TIME, PLACE, XYZW, separator=" ") + "1 2 3\n", "line 21: expected 8 values .*; found 3"),
+        (rows(TIME, 1e300 * PLACE, XYZW, separator=" "), r"pose 0, column x: expected a number of at most 1e\+12"),
         ("time,px,py,pz,a,b,c,d\n" + rows(TIME, PLACE, XYZW), "line 1: expected names of a time and a quaternion"),
     ],
 )

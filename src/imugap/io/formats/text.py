@@ -452,9 +452,12 @@ def _read(
         column_names=names, skip_rows=dialect.first, block_size=BLOCK_BYTES, encoding=dialect.encoding
     )
     parsing = pa.csv.ParseOptions(delimiter=dialect.separator, invalid_row_handler=skip)
-    with _stream(path, dialect) as stream, pa.csv.open_csv(stream, reading, parsing, converting) as reader:
-        for batch in reader:
-            yield {column: batch.column(str(column)) for column in kinds}
+    try:
+        with _stream(path, dialect) as stream, pa.csv.open_csv(stream, reading, parsing, converting) as reader:
+            for batch in reader:
+                yield {column: batch.column(str(column)) for column in kinds}
+    except UnicodeDecodeError as error:
+        raise LogError(path, "bytes", f"text in {dialect.encoding}", error.reason) from None
     pa.default_memory_pool().release_unused()
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from imugap.io.formats import text
+from imugap.io.rows import require_range
 from imugap.kinematics.error_free import POSITION, QUATERNION, VELOCITY
 from imugap.log import ACCEL, GYRO, TIME, LogError
 
@@ -66,6 +67,7 @@ def read_poses(path: str | Path) -> pd.DataFrame:
     late = np.flatnonzero(np.diff(time) <= 0)
     if len(late):
         raise LogError(path, f"pose {late[0] + 1}", "a time that increases", f"{time[late[0] + 1]:.17g}")
+    require_range(dict(table[names].items()), path, lambda row: f"pose {row}")
     norm = np.linalg.norm(table[list(QUATERNION)], axis=1)
     odd = np.flatnonzero(np.abs(norm - 1) > UNIT_TOLERANCE)
     if len(odd):
