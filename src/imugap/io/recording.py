@@ -162,8 +162,7 @@ def stream(path: str | Path, settings: RecordingSettings = DEFAULTS) -> tuple[Co
         source, selection = _of_rows(source, selection, settings)
         stretches = _stretches(source, selection)
         _require_one_device(source, stretches, selection, settings)
-        samples = within_range(np.hstack([one for one, _ in stretches]))  # what is beyond is refused in its part
-        excerpt = dict(zip(selection.assignment.columns, samples, strict=True))
+        excerpt = dict(zip(selection.assignment.columns, np.hstack([one for one, _ in stretches]), strict=True))
         raw = None if selection.stamp is None else np.concatenate([stamps for _, stamps in stretches])
         _require_clock(source, raw)
         require_one_scale(excerpt)
@@ -325,7 +324,10 @@ def _require_one_device(source: Source, stretches: list, selection: Selection, s
 
 
 def _stretches(source: Source, selection: Selection) -> list[tuple[np.ndarray, np.ndarray | None]]:
-    """Return stretches spread over a file: their columns, shape (columns, rows), and their stamps, shape (rows,)."""
+    """Return stretches spread over a file: their columns, shape (columns, rows), and their stamps, shape (rows,).
+
+    Samples beyond the range of any device, which are refused when their part is read, are NaN.
+    """
     due = list(np.linspace(0, source.rows, samples.STRETCHES, endpoint=False))
     kept, row = [], 0
     for batch in source.all_batches(selection.places, selection.stamp):
@@ -334,7 +336,7 @@ def _stretches(source: Source, selection: Selection) -> list[tuple[np.ndarray, n
             kept.append([values[: samples.STRETCH].copy() for values in batch])
             due = [one for one in due if one >= row]
     stamps = [None if selection.stamp is None else one.pop() for one in kept]
-    blocks = [np.array(one, float) for one in kept]
+    blocks = [within_range(np.array(one, float)) for one in kept]
     for block in blocks:
         _without_filler(block, selection)
     return list(zip(blocks, stamps, strict=True))
