@@ -48,7 +48,7 @@ OF = {ORACLE: PLAIN, WHEELS[ORACLE]: WHEELS[PLAIN]}
 """Whose clean run stands beside a scheme that has none."""
 GAINS = {WHOLE: CONTAMINATED, SMOOTHED: CONTAMINATED, ORACLE: CONTAMINATED, PLAIN: CLEAN}
 """Schemes that run with wheels too, and the case in which they are compared."""
-DRAWN = ("none", "robust", "separation", WHEELS[WHOLE], SMOOTHED, ORACLE)
+DRAWN = ("none", ORACLE, "robust", "separation", WHEELS[WHOLE])
 """Schemes whose errors are drawn over time."""
 BAR, SHARE = 1.3, 0.95
 """What the contaminated run may be over the clean one; seeds in which the gate has to help."""

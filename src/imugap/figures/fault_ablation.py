@@ -56,7 +56,7 @@ def drive(study: Ablation, one: AblationRun, errors: Mapping[str, pd.DataFrame])
     for name, table in errors.items():
         handles += right.plot(table["time"], table["horizontal"], color=COLOURS[name], lw=0.9, label=TITLES[name])
     decades(right)
-    right.set(xlabel="time [s]", ylabel="horizontal error [m]", ylim=(0.05, None), xlim=(0, study.drive.duration_s))
+    right.set(xlabel="time [s]", ylabel="horizontal error [m]", ylim=(0.1, None), xlim=(0, study.drive.duration_s))
     figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return figure
 
