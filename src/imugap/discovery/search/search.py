@@ -67,8 +67,8 @@ MAX_PAIRS = 4
 """Number of pairs that are fitted: of two smooth terms, and of a term and a step."""
 CUTOFF_FACTORS = (1.0, 0.3, 0.1, 0.03)
 """Cutoffs at which a filter is tried, over the proposed one."""
-MAX_RESHAPING_GAIN = 30.0
-"""Upper bound of the gain of log-likelihood by the effect of a filter on the terms."""
+MAX_RESHAPING_GAIN, RESHAPING_SPREAD = 30.0, 10.0
+"""Upper bounds of the gain of log-likelihood by what a filter does to the terms, and of its spread over filters."""
 GAIN_SLACK = 2.0
 """Ratio of the gain after the fit to the expected gain before it, at most."""
 
@@ -291,18 +291,40 @@ class Search:
     def _filters(
         self, kind: type[Effect], before: AxisFit, bar: float, whole: AxisFit | None, worth: float
     ) -> Iterator[Trial]:
-        """Yield the filters of all shapes, the noise behind each fitted from that behind the one of its form before."""
-        noise = None
-        for start in kind.starts(before):
-            if not may_reach(start, bar):
-                continue
-            if whole is not None and not self._may_reach_behind(start, before, whole, bar):
-                continue
+        """Yield the filters of a kind that may come below ``bar`` and be worth more, fitted."""
+        starts = [start for start in kind.starts(before) if may_reach(start, bar)]
+        if before.sequence.in_motion:
+            return self._filters_in_motion(starts, before, bar, whole)
+        return self._filters_at_rest(starts, before, bar, worth)
+
+    def _filters_at_rest(self, starts: Sequence[Start], before: AxisFit, bar: float, worth: float) -> Iterator[Trial]:
+        """Yield the filters whose noise gains most, until what they do to the terms cannot make up for the noise.
+
+        The noise behind each is fitted from that behind the one of its form before. Filters of like gain do the like to
+        the terms.
+        """
+        behind, noise = [], None
+        for start in starts:
             alike = noise is not None and noise.output_filter.form == start.effect.form
-            start, noise = behind_filter(start, before, noise if alike and not before.sequence.in_motion else None)
-            if may_reach(start, bar) and start.gain - cost(len(start.free), start.trials) > worth:
+            start, noise = behind_filter(start, before, noise if alike else None)
+            behind.append((start, noise))
+        reshaping = MAX_RESHAPING_GAIN
+        for start, noise in sorted(behind, key=lambda one: -one[0].gain):
+            likely = replace(start, gain=start.gain + reshaping)
+            if may_reach(likely, bar) and likely.gain - cost(len(start.free), start.trials) > worth:
                 trial = self.trial_of(start, before, before.description.with_noise(noise))
-                if not before.sequence.in_motion or noise_shows_filter(trial, self.log_alpha):
+                reshaping = min(reshaping, trial.gain - start.gain + RESHAPING_SPREAD)
+                yield trial
+
+    def _filters_in_motion(
+        self, starts: Sequence[Start], before: AxisFit, bar: float, whole: AxisFit | None
+    ) -> Iterator[Trial]:
+        """Yield the filters that the noise alone shows; what they do to the motion is known after the fit only."""
+        for start in starts:
+            if whole is None or self._may_reach_behind(start, before, whole, bar):
+                start, noise = behind_filter(start, before)
+                trial = self.trial_of(start, before, before.description.with_noise(noise))
+                if noise_shows_filter(trial, self.log_alpha):
                     yield trial
 
     def _may_reach_behind(self, start: Start, before: AxisFit, whole: AxisFit, bar: float) -> bool:
@@ -310,7 +332,7 @@ class Search:
 
         In motion a fit behind a filter takes long, and most filters distort the motion beyond what any effect mends.
         """
-        if not before.sequence.in_motion or whole.description.noise.output_filter is not None:
+        if whole.description.noise.output_filter is not None:
             return True
         key = whole.description, start.effect
         if key not in self.behind:
@@ -624,8 +646,8 @@ def behind_filter(start: Start, before: AxisFit, near: Noise | None = None) -> t
         both = noise, noise.beneath(sequence.bins, power)
         fits += [fit_noise(one, sequence.bins, power, held=sequence.in_motion) for one in both]
     best = max(fits, key=lambda one: one.log_likelihood)
-    gain = np.inf if sequence.in_motion else best.log_likelihood - before.noise.log_likelihood + MAX_RESHAPING_GAIN
-    return replace(start, effect=best.noise.output_filter, gain=gain), best.noise
+    gain = best.log_likelihood - before.noise.log_likelihood
+    return replace(start, effect=best.noise.output_filter, gain=np.inf if sequence.in_motion else gain), best.noise
 
 
 def noise_shows_filter(filtered: Trial, log_alpha: float) -> bool:
