@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from imugap.io.formats import mat_elements
 from imugap.io.formats.source import Source, extra
 from imugap.io.recognition.column_names import meaning
 from imugap.log import LogError
@@ -99,6 +100,7 @@ def _decoded(path: Path, head: bytes) -> Mapping[str, object]:
     if head.startswith(MAT):
         from scipy.io import loadmat
 
+        mat_elements.require_sound(path)
         found = loadmat(path, squeeze_me=True, struct_as_record=False)
         return {name: value for name, value in found.items() if not name.startswith("__")}
     with extra(path, "r", "rdata"):
