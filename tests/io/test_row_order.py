@@ -46,6 +46,7 @@ def test_rows_are_read_in_the_order_of_their_stamps(tmp_path, said):
         np.arange(COUNT) * 20.0 + np.random.default_rng(6).normal(0, 12, COUNT),  # stamps on arrival
         np.full(COUNT, 7.0),
         np.r_[1e300, np.arange(COUNT) * 1e-12],  # a stamp beyond any clock
+        np.full(COUNT, np.inf),
     ],
 )
 def test_rows_that_stamps_do_not_show_to_be_out_of_order_stay(stamps):

@@ -33,9 +33,11 @@ def by_stamps(raw: np.ndarray) -> tuple[np.ndarray, str] | None:
     Rows that are out of order are sorted where the stamps, sorted, are those of an even clock, each there once: stamps
     that are uneven themselves are not. Rows that go back throughout are read from the last to the first.
     """
+    if len(raw) < FEWEST or not np.isfinite(raw).all():
+        return None
     steps = np.diff(raw)
     back = np.count_nonzero(steps < 0)
-    if len(raw) < FEWEST or not back or not np.isfinite(raw).all():
+    if not back:
         return None
     if not (steps > 0).any():
         return np.arange(len(raw))[::-1], "rows from the last to the first, as their stamps go back"

@@ -59,7 +59,7 @@ def read_poses(path: str | Path) -> pd.DataFrame:
     if missing:
         raise LogError(path, "columns", "a time and the four components of a quaternion", f"no {missing[0]}")
     names = [*QUATERNION, *(one for group in (POSITION, VELOCITY) if set(group) <= set(table) for one in group)]
-    table = table[[TIME, *names]].dropna()
+    table = table[[TIME, *names]].replace([np.inf, -np.inf], np.nan).dropna()
     if len(table) < 2:
         raise LogError(path, "rows", "at least 2 poses", str(len(table)))
     time = table[TIME].to_numpy(float)
