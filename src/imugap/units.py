@@ -62,6 +62,16 @@ FACTORS: dict[str, float] = {
     "ppm": 1e-6,
 }
 
+HABITS = {
+    "rad/s/sqrt(Hz)": "deg/sqrt(h)",
+    "m/s^2/sqrt(Hz)": "m/s/sqrt(h)",
+    "rad/s": "deg/h",
+    "m/s^2": "ug",
+    "rad/s/s/sqrt(Hz)": "deg/h/sqrt(h)",
+    "m/s^2/s/sqrt(Hz)": "m/s/h/sqrt(h)",
+}
+"""Unit of data sheets of each SI unit."""
+
 
 def to_si(value, unit: str):
     """Convert ``value`` (number or array) given in ``unit`` to SI."""
@@ -78,3 +88,10 @@ def factor(unit: str) -> float:
     if unit not in FACTORS:
         raise ValueError(f"unit: expected one of {', '.join(FACTORS)}; found {unit!r}")
     return FACTORS[unit]
+
+
+def habit(value: float, unit: str) -> str:
+    """Return a value of a SI unit in the unit of data sheets, or nothing where there is none."""
+    if unit not in HABITS:
+        return ""
+    return f"{from_si(value, HABITS[unit]):.4g} {HABITS[unit]}"

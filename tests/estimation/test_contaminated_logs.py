@@ -100,7 +100,7 @@ def test_noise_faster_than_the_samples_is_white():
     assert all(time > INTERVAL for time in times)
     expected = np.sqrt(float(fast.sampled_psd(1e-3, INTERVAL)))
     assert white(found).value == pytest.approx(expected, rel=0.05)
-    assert "as by an output filter" in found.verdict()
+    assert "as by vibration or an output filter" in found.verdict()
 
 
 def test_temperature_explains_a_bias_that_follows_it():

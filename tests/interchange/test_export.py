@@ -93,6 +93,8 @@ def test_kalibr_of_a_data_sheet():
     assert found["accelerometer_noise_density"] == pytest.approx(1.666667e-4, rel=1e-6)
     assert found["gyroscope_random_walk"] == found["accelerometer_random_walk"] == pytest.approx(1e-6)
     assert found["update_rate"] == 100.0
+    measured = export(ErrorModel(axes), Target.KALIBR, Rule(199.999997))
+    assert "update_rate: 200.0  # Hz" in measured
 
 
 @given(densities, densities)

@@ -299,8 +299,9 @@ def check(recorded: RecordedDrive) -> RecordedDrive:
         found = f"{steps.max():.3g} s after {log.index[int(steps.argmax())]:g} s"
         raise ValueError(f"drive: expected gaps of at most {LONGEST_GAP_S:g} s; found {found}")
     if due[0] >= log.index[-1] or due[-1] <= log.index[0]:
-        spans = f"{log.index[0]:g} s to {log.index[-1]:g} s; found fixes from {due[0]:g} s to {due[-1]:g} s"
-        raise ValueError(f"drive: expected fixes within the time of the log, {spans}")
+        spans = f"{log.index[0]:.10g} s to {log.index[-1]:.10g} s; found fixes from {due[0]:.10g} s to {due[-1]:.10g} s"
+        clocks = "time_offset of --config is added to their stamps"
+        raise ValueError(f"drive: expected fixes within the time of the log, {spans} ({clocks})")
     inside = int(((due >= log.index[0]) & (due <= log.index[-1])).sum())
     if inside < FEWEST_FIXES:
         raise ValueError(

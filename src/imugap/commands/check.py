@@ -28,8 +28,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "imugap check log.csv --units gyro=deg/s,accel=g --frame FLU",
     )
     parser.description = (
-        "Check recordings. First a verdict: usable or not, and for which commands; then each finding with its "
-        "consequences, and a table of the axes."
+        "Check recordings. First a verdict: usable or not, and for which commands; then, if any, the findings with "
+        "their consequences, and a table of the axes. The page has the table in any case."
     )
     parser.add_argument("log", nargs="+", help=LOG_HELP)
     add_json(parser)

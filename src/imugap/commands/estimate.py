@@ -23,13 +23,14 @@ from imugap.commands.outputs import (
 )
 from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
 from imugap.commands.reduction import add_rule
-from imugap.commands.shown import habit, interval_text, number, table_text
+from imugap.commands.shown import interval_text, number, table_text
 from imugap.estimation import report
 from imugap.estimation.model_selection import TERMS
 from imugap.estimation.report import AxisEstimate, Method
 from imugap.interchange.export import Target
 from imugap.interchange.start_bias import known_biases
 from imugap.log import AXES
+from imugap.units import habit
 from imugap.workflow.products import write_figure
 
 AUTO = "auto"

@@ -1,20 +1,8 @@
-"""Numbers and tables as commands print them: four significant digits, units in the habit of data sheets."""
+"""Numbers and tables as commands print them: four significant digits."""
 
 from collections.abc import Iterable, Sequence
 from math import isfinite
 from pathlib import Path
-
-from imugap.units import from_si
-
-HABITS = {
-    "rad/s/sqrt(Hz)": "deg/sqrt(h)",
-    "m/s^2/sqrt(Hz)": "m/s/sqrt(h)",
-    "rad/s": "deg/h",
-    "m/s^2": "ug",
-    "rad/s/s/sqrt(Hz)": "deg/h/sqrt(h)",
-    "m/s^2/s/sqrt(Hz)": "m/s/h/sqrt(h)",
-}
-"""Unit of data sheets of each SI unit."""
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -25,13 +13,6 @@ def number(value: float, digits: int = 4) -> str:
 def interval_text(low: float, high: float) -> str:
     """Return an interval with three significant digits."""
     return f"{low:.3g} .. {high:.3g}"
-
-
-def habit(value: float, unit: str) -> str:
-    """Return a value of a SI unit in the unit of data sheets, or nothing where there is none."""
-    if unit not in HABITS:
-        return ""
-    return f"{number(from_si(value, HABITS[unit]))} {HABITS[unit]}"
 
 
 def table_text(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -265,7 +265,9 @@ def estimate_axis(
         raise ValueError(f"{axis}: {error}") from error
     remarks = screened.sentences(interval, start)
     if found and isfinite(found.highest) and found.highest != settings.highest:
-        remarks.append(f"Above {found.highest:.3g} Hz the noise is coloured, as by an output filter, and is not used")
+        remarks.append(
+            f"Above {found.highest:.3g} Hz the noise is coloured, as by vibration or an output filter, and is not used"
+        )
     if term is not None:
         fit = replace(fit, model=fit.model + term.effect, estimates=(*fit.estimates, *term.estimates))
         remarks.append("The temperature of the log explains a part of the bias, which is not a random process")

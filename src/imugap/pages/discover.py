@@ -20,6 +20,7 @@ from imugap.figures.style import AXIS_TITLES
 from imugap.figures.views import VIEWS, title
 from imugap.interchange.conventions import Rule
 from imugap.interchange.export import export
+from imugap.log import AXES, TIME
 from imugap.model import ErrorModel
 from imugap.pages.estimate import HORIZON
 from imugap.pages.model import filter_part, simulator_part, text
@@ -122,7 +123,7 @@ def _shared(findings: Sequence[Finding]) -> Iterable[list[Finding]]:
             groups.append([one])
         else:
             group.append(one)
-    return groups
+    return [sorted(some, key=lambda one: (TIME, *AXES).index(one.axes[0])) for some in groups]
 
 
 def _may_be_one(one: Finding, other: Finding) -> bool:
@@ -147,12 +148,15 @@ def _effect(some: Sequence[Finding]) -> Iterable[Block]:
     several = len(some) > 1
     rows = tuple(
         (*((", ".join(one.axes),) if several else ()), *_parameter(name, interval))
-        for one in some for name, interval in one.parameters.items()
+        for one in some for name, interval in one.parameters.items() if not _is_unused(interval)
     )  # fmt: skip
     titles = (*(("axis",) if several else ()), "parameter", "value", "95 % interval", "unit")
     yield DataTable("Parameters with 95 % intervals, SI.", titles, rows)
-    if several:
-        yield Points(tuple(f"{', '.join(one.axes)}: {certainty(one)}." for one in some))
+    alike: dict[str, list[Finding]] = {}
+    for one in some:
+        alike.setdefault(certainty(one), []).append(one)
+    if len(alike) > 1:
+        yield Points(tuple(f"{_axes_of(those)}: {sentence}." for sentence, those in alike.items()))
     else:
         yield Text(f"{certainty(some[0]).capitalize()}.")
     yield Text(f"In the simulator: {'add to the model' if effect.normal else 'in place of the white noise'}")
@@ -193,9 +197,9 @@ def _against(rows: Sequence[StartParameter]) -> Iterable[Block]:
     yield Points(sentences(rows))
     titles = ("axis", "parameter", "start", "log", "interval", "unit", "verdict")
     cells = tuple(
-        (one.axis, one.name, _or_dash(one.start), *_of_log(one.log), "" if one.unit == "1" else one.unit,
+        (one.axis, one.name, _or_dash(one.start), *_of_log(one.log), "" if one.unit == "1" else unit(one.unit),
          f"{one.agreement}: {one.remark}" if one.remark else str(one.agreement))
-        for one in rows
+        for one in rows if not (one.start is None and one.log is not None and _is_unused(one.log))
     )  # fmt: skip
     caption = "All intervals hold together with the probability one minus the level of the tests."
     yield Fold("Each parameter on each axis", (DataTable(caption, titles, cells),))
@@ -213,6 +217,11 @@ def _meaning(effect: Effect) -> str:
     """Return the first sentence of the documentation of an effect."""
     first = (type(effect).__doc__ or "").strip().split("\n\n")[0]
     return " ".join(first.split())
+
+
+def _is_unused(one: Interval) -> bool:
+    """Return whether a parameter is that of a term which the effect does not have here: zero, and not estimated."""
+    return one.value == one.low == one.high == 0
 
 
 def _parameter(name: str, one: Interval) -> tuple[str, ...]:

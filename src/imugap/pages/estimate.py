@@ -9,6 +9,7 @@ from imugap.interchange.start_bias import known_biases
 from imugap.pages.check import log_gallery
 from imugap.pages.model import filter_part, simulator_part
 from imugap.pages.page import Block, DataTable, Gallery, Page, Part, Picture, Points, Text
+from imugap.units import habit
 from imugap.workflow.tables import number, unit, with_interval
 
 HORIZON = 10.0
@@ -73,19 +74,21 @@ def _parameters(found: LogEstimate) -> DataTable:
     rows = tuple(
         (
             one.axis, estimate.effect.replace("_", " "), estimate.parameter.replace("_", " "),
-            *with_interval(estimate.value, estimate.low, estimate.high), unit(name), str(estimate.verdict),
+            *with_interval(estimate.value, estimate.low, estimate.high), unit(name),
+            unit(habit(estimate.value, name)), str(estimate.verdict),
         )
         for one in found.axes for estimate, name in one.parameters()
     )  # fmt: skip
-    titles = ("axis", "effect", "parameter", "value", "95 % interval", "unit", "the log")
+    titles = ("axis", "effect", "parameter", "value", "95 % interval", "unit", "in use", "the log")
     return DataTable("Estimates with 95 % intervals, SI.", titles, rows)
 
 
 def _biases(found: LogEstimate, gravity: float) -> tuple[Block, ...]:
     """Return the biases that the log shows, if any, and what they hold."""
     rows = tuple(
-        ("accel, along gravity" if axis == "accel" else axis, number(bias), "m/s²" if axis == "accel" else "rad/s")
+        ("accel, along gravity", number(bias), "m/s²", unit(habit(bias, "m/s^2"))) if axis == "accel"
+        else (axis, number(bias), "rad/s", unit(habit(bias, "rad/s")))
         for axis, bias in known_biases(found.levels, gravity).items()
-    )
-    table = DataTable("Constant bias of this log, SI.", ("axis", "bias", "unit"), rows)
+    )  # fmt: skip
+    table = DataTable("Constant bias of this log, SI.", ("axis", "bias", "unit", "in use"), rows)
     return (Text(BIAS), table) if rows else ()

@@ -23,6 +23,7 @@ from imugap.pages.provenance import Provenance
 PACKAGES = ("numpy", "scipy", "pandas", "numba", "matplotlib")
 """Packages whose versions a result may depend on."""
 TEMPLATE = "page.html"
+CODE = re.compile("`([^`]+)`")
 IDENTIFIER = re.compile(r'(\bid="|url\(#|href="#)')
 """What stands before an identifier in an SVG file."""
 
@@ -48,7 +49,13 @@ def _template() -> Template:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["coded"] = _coded
     return environment.get_template(TEMPLATE)
+
+
+def _coded(value: str) -> Markup:
+    """Show what stands between backticks as code."""
+    return Markup(CODE.sub(r"<code>\1</code>", str(Markup.escape(_unbroken(value)))))
 
 
 def _unbroken(value: object) -> object:

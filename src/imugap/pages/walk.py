@@ -30,13 +30,16 @@ ACCURACY = (
     "device there. Deviations are standard deviations that the filter states; after each stance the position is held "
     "by the velocity of zero, and the heading drifts freely."
 )
-BETWEEN = "Strides between the middles of stances; the first and the last hold half of the stand beside them."
+BETWEEN = (
+    "Strides between the middles of stances, ± one standard deviation; the first and the last hold half of the stand "
+    "beside them."
+)
 
 
 def page(found: NavigatedWalk) -> Page:
     """Compose the page of a walk."""
     summary, strides = found.summary(), found.strides()
-    numbers = ([f"{row[name]:.4g}" for name in COLUMNS] for row in strides.to_dict("records"))
+    numbers = ([_shown(row, name) for name in COLUMNS] for row in strides.to_dict("records"))
     rows = tuple((str(ordinal), *row) for ordinal, row in enumerate(numbers, start=1))
     begin_end = Picture(
         walk.plan(found.smoothed, CARD),
@@ -64,6 +67,13 @@ def page(found: NavigatedWalk) -> Page:
             Part("Strides", (Text(usual), Fold(f"All {len(rows)} strides", (table,))) if rows else ()),
         ),
     )
+
+
+def _shown(stride: Mapping[str, float], name: str) -> str:
+    """Return a number of a stride: with the standard deviation where there is one, else to a hundredth or a mm."""
+    if stride.get(name + STD, 0) > 0:
+        return " ± ".join(measured(stride[name], stride[name + STD]))
+    return f"{stride[name]:.{2 if name in ('start', 'duration') else 3}f}"
 
 
 def extent(summary: Mapping[str, float]) -> tuple[tuple[str, str, str], ...]:

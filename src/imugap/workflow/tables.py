@@ -81,8 +81,13 @@ def measured(value: float, std: float) -> tuple[str, str]:
 
 
 def with_interval(value: float, low: float, high: float) -> tuple[str, str]:
-    """Return a value, and its interval in words, with the digits that two digits of the half width need."""
+    """Return a value, and its interval in words, with the digits that two digits of the half width need.
+
+    A value that has more than :data:`DIGITS` of them is exact, and has a dash for its interval.
+    """
     digits = 3
+    if isfinite(low) and isfinite(high) and high - low <= max(abs(low), abs(high)) * 10.0**-DIGITS:
+        return f"{value:.6g}", "–"
     if isfinite(low) and isfinite(high) and high > low:
         largest = max(abs(low), abs(high))
         digits = min(max(floor(log10(largest)) - floor(log10((high - low) / 2)) + 2, 3), DIGITS)

@@ -1,5 +1,6 @@
 """Each number of a start file is compared with the log in its own words; a right one passes without a word."""
 
+import re
 from math import sqrt
 from pathlib import Path
 
@@ -81,6 +82,7 @@ def test_wrong_numbers_are_named_in_the_words_of_gazebo(tmp_path):
     drive = rows["<dynamic_bias_stddev> of <angular_velocity>"]
     assert drive.agreement is Comparison.AGREES
     assert "<stddev> of <angular_velocity> is 0.004472 rad/s in the start model; the log has 0.008" in said
+    assert re.search(r"rad/s \(with its interval 0\.00\d+ to 0\.00\d+\)", str(said))
     assert "Of 4 parameters" in said
 
 

@@ -237,6 +237,11 @@ def test_matlab_holds_more_than_noise(read):
     assert "not in the model: Gyroscope AccelerationBias" in said
 
 
+def test_matlab_without_a_name_of_the_part(read):
+    (part,) = json.loads(MATLAB).values()
+    assert read("part.json", json.dumps(part)) == read("generic.json")
+
+
 def device(*effects):
     return ErrorModel(dict.fromkeys(log.AXES, AxisModel(effects)))
 

@@ -55,6 +55,13 @@ def test_a_vibration_at_a_fraction_of_the_rate_is_of_one_device():
         assert interleaved(shaken) is None
 
 
+def test_a_weak_vibration_at_a_fraction_of_the_rate_is_of_one_device():
+    row = np.arange(60_000)
+    for seed in range(8):
+        noise = random_stream(seed, "noise").standard_normal((len(row), 3))
+        assert interleaved(noise + 0.16 * np.sin(2 * np.pi * row / 8 + 0.4)[:, None]) is None
+
+
 def test_two_devices_that_move_alike_on_average_are_found_by_their_motion():
     left, right = turned(6000)[:3000], -turned(6000)[1111:4111] + 0.0
     mixed = np.stack([left, right], axis=1).reshape(-1, 6)

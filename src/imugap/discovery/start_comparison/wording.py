@@ -65,7 +65,7 @@ def _sentence(rows: Sequence[StartParameter]) -> str:
         return f"{yours}; the log shows none ({most})."
     span = _span(min(one.low for one in logs), max(one.high for one in logs))
     remark = f" ({first.remark})" if first.remark else ""
-    return f"{yours}; the log has {_range([one.value for one in logs])}{unit}, {span}{remark}."
+    return f"{yours}; the log has {_range([one.value for one in logs])}{unit} (with its interval {span}){remark}."
 
 
 def _span(low: float, high: float) -> str:

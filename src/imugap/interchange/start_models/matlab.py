@@ -49,7 +49,7 @@ SIDES = {"double-sided": 1.0, "single-sided": 2.0}
 
 
 def _parts(document: Document) -> dict[str, Mapping]:
-    every = document.items() if isinstance(document, Mapping) else ()
+    every = {"": document, **document}.items() if isinstance(document, Mapping) else ()
     names = set(SENSORS.values())
     return {name: one for name, one in every if isinstance(one, Mapping) and names & set(one)}
 

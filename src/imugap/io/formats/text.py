@@ -8,6 +8,8 @@ import codecs
 import csv
 import io
 import re
+import threading
+import weakref
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -26,6 +28,8 @@ from imugap.log import LogError
 
 HEAD_BYTES = 1 << 16
 BLOCK_BYTES = 1 << 20
+PATIENCE = 10.0
+"""Longest wait for the threads of Arrow that read ahead [s]: Python would end while they read, and hang."""
 SAMPLE_ROWS = 200
 FIRST_ROWS = 3
 """Lines of numbers that follow each other at the begin of a table; a line of numbers alone may be of its head."""
@@ -452,12 +456,21 @@ def _read(
         column_names=names, skip_rows=dialect.first, block_size=BLOCK_BYTES, encoding=dialect.encoding
     )
     parsing = pa.csv.ParseOptions(delimiter=dialect.separator, invalid_row_handler=skip)
+    source, released = _source(path, dialect), threading.Semaphore(0)
+    for called in (source, skip):
+        weakref.finalize(called, released.release)
     try:
-        with _stream(path, dialect) as stream, pa.csv.open_csv(stream, reading, parsing, converting) as reader:
+        with (
+            pa.PythonFile(source, mode="r") as stream,
+            pa.csv.open_csv(stream, reading, parsing, converting) as reader,
+        ):
             for batch in reader:
                 yield {column: batch.column(str(column)) for column in kinds}
     except UnicodeDecodeError as error:
-        raise LogError(path, "bytes", f"text in {dialect.encoding}", error.reason) from None
+        raise LogError(path, "bytes", f"text in {dialect.encoding}", error.reason) from error.with_traceback(None)
+    finally:
+        source = stream = reader = parsing = skip = called = None
+        all(released.acquire(timeout=PATIENCE) for _ in range(2))
     pa.default_memory_pool().release_unused()
 
 
@@ -525,11 +538,10 @@ def _rest(path: Path, end: int) -> bytes:
         return handle.read(EXCERPT).strip(b" \t\x00\x1a")
 
 
-def _stream(path: Path, dialect: Dialect):
+def _source(path: Path, dialect: Dialect) -> "WholeLines":
     """Return a stream of the whole lines of a text in which one character separates the values."""
     header = dialect.header.encode(dialect.encoding) if dialect.header and dialect.encoding != "utf-16" else None
-    source = WholeLines(path, dialect, header)
-    return pa.PythonFile(source, mode="r")
+    return WholeLines(path, dialect, header)
 
 
 class WholeLines(io.RawIOBase):

@@ -8,7 +8,7 @@ is any other, the samples of two devices at rest lie in two groups, the same row
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import stdtr
+from scipy.special import chdtri, stdtr
 
 MOST = 8
 """Most devices."""
@@ -113,13 +113,20 @@ def _difference(values: np.ndarray, devices: int) -> float:
         return 0.0
     scale = np.mean(np.diff(values, axis=0) ** 2, axis=0)
     mean, error = (one[:, scale > 0] / np.sqrt(scale[scale > 0]) for one in (mean, error))
-    return 0.0 if _is_vibration(mean) else float(np.sum(mean**2 - error**2) / devices)
+    return 0.0 if _is_vibration(mean, error) else float(np.sum(mean**2 - error**2) / devices)
 
 
-def _is_vibration(pattern: np.ndarray) -> bool:
-    """Return whether a pattern, shape (rows, axes), that has several harmonics has the power of one: no devices do."""
+def _is_vibration(pattern: np.ndarray, error: np.ndarray) -> bool:
+    """Return whether a pattern that has several harmonics has the power of one, which no devices do.
+
+    What is left of the power is small, or may be chance with the standard errors of the pattern; shape (rows, axes).
+    """
     power = np.sum(np.abs(np.fft.rfft(pattern, axis=0)[1:]) ** 2, axis=1)
-    return len(power) > 1 and bool(power.max() > ONE_LINE * power.sum())
+    if len(power) < 2:
+        return False
+    left, freedom = power.sum() - power.max(), pattern.shape[1] * (len(pattern) - 3)
+    chance = chdtri(freedom, IMPROBABLE) * np.mean(error**2) * len(pattern)
+    return bool(left < (1 - ONE_LINE) * power.sum() + chance)
 
 
 def _block_means(values: np.ndarray, devices: int, size: int) -> np.ndarray:
