@@ -205,7 +205,7 @@ def _without_constant_down(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Corr
         return fixes, []
     if not (_speeds(fixes, gnss.local(fixes, middle(fixes))[:, :3]) > SLOWEST).any():
         return fixes, []
-    found = f"the vertical velocity of all fixes is {fixes[name].iloc[0]:g} m/s, as where it is not measured"
+    found = f"the vertical velocity of all fixes is {fixes[name].iloc[0] + 0.0:g} m/s, as where it is not measured"
     return fixes.assign(**{name: np.nan}), [Correction("vertical velocity", found, "left out")]
 
 

@@ -165,7 +165,7 @@ def check_walk(log: pd.DataFrame, model: ErrorModel, assumptions: WalkAssumption
     if plain.velocity > LARGEST_M_PER_S or left[best].mends(plain):
         named = f", as of {best}" if left[best].mends(plain) else ""
         off = f"{plain.velocity:.2g} m/s off" if plain.velocity >= NOTICED_M_PER_S else (
-            f"{plain.rise:+.2g} m higher at each")  # fmt: skip
+            f"{plain.rise:+.2g} m off the level of the last one")  # fmt: skip
         raise ValueError(f"walk: expected a foot that comes to rest at each stance; found it {off}{named}")
 
 
