@@ -29,6 +29,7 @@ from imugap.interchange.devices.catalogue import model_file
 from imugap.interchange.plugins import catalogue
 from imugap.interchange.start_models.catalogue import ModelFile
 from imugap.io import configuration
+from imugap.io.fixes import gps_time
 from imugap.io.fixes.course import fast_course_rate
 from imugap.io.gnss import COMPONENTS, PLACE_STD
 from imugap.io.recognition import frame
@@ -36,6 +37,7 @@ from imugap.io.recording import Recording
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
 from imugap.navigation.drive import (
+    clock_rate,
     drive_error_search,
     drive_physics,
     drive_verdict,
@@ -84,7 +86,8 @@ DEFAULT_MODEL = ErrorModel.from_mapping(
 class DriveSettings:
     """Configuration of a drive: error model, mounting (Euler angles [rad]), and settings of the filter.
 
-    ``recognised`` are sentences on a model that is a file of another tool.
+    ``clock_rate`` is the share by which the clock of the device goes slower than that of the fixes; ``recognised`` are
+    sentences on a model that is a file of another tool.
     """
 
     model: ErrorModel = DEFAULT_MODEL
@@ -92,6 +95,7 @@ class DriveSettings:
     assumptions: DriveAssumptions = field(default_factory=DriveAssumptions)
     quality: QualityControl = field(default_factory=QualityControl)
     alignment: AlignmentSettings = field(default_factory=AlignmentSettings)
+    clock_rate: float = 0.0
     recognised: tuple[str, ...] = ()
 
     @property
@@ -143,7 +147,7 @@ class DriveSettings:
             speed=start["speed_m_per_s"], rest_s=start["rest_s"], course_std=course, heading_std=heading, tilt_std=tilt
         )
         mounting = tuple(np.radians([values["mounting"][f"{name}_deg"] for name in ("roll", "pitch", "heading")]))
-        return cls(model, mounting, assumptions, control, alignment)
+        return cls(model, mounting, assumptions, control, alignment, offset["rate_ppm"] * clock_rate.PPM)
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,11 +269,12 @@ class NavigatedDrive:
         }
 
     def table(self, one: DriveSolution) -> pd.DataFrame:
-        """Return Trajectory, geodetic position (degrees), sensor errors, and standard deviations."""
+        """Return Trajectory, place (degrees), sensor errors, and standard deviations, by the stamps of the log."""
         factor = self.verdict.factor
         place = one.geodetic.assign(**{name: np.degrees(one.geodetic[name]) for name in ("latitude", "longitude")})
         parts = [one.trajectory, place, factor * one.trajectory_std.add_suffix(STD)]
-        return pd.concat([*parts, one.sensors, factor * one.sensors_std.add_suffix(STD)], axis=1)
+        found = pd.concat([*parts, one.sensors, factor * one.sensors_std.add_suffix(STD)], axis=1)
+        return found.set_axis(clock_rate.as_logged(self.inputs, found.index))
 
 
 def navigate_drive(recorded: RecordedDrive) -> NavigatedDrive:
@@ -299,15 +304,29 @@ def check(recorded: RecordedDrive) -> RecordedDrive:
         found = f"{steps.max():.3g} s after {log.index[int(steps.argmax())]:g} s"
         raise ValueError(f"drive: expected gaps of at most {LONGEST_GAP_S:g} s; found {found}")
     if due[0] >= log.index[-1] or due[-1] <= log.index[0]:
-        spans = f"{log.index[0]:.10g} s to {log.index[-1]:.10g} s; found fixes from {due[0]:.10g} s to {due[-1]:.10g} s"
-        clocks = "time_offset of --config is added to their stamps"
-        raise ValueError(f"drive: expected fixes within the time of the log, {spans} ({clocks})")
+        own, seen = (f"{one[0]:.10g} s to {one[-1]:.10g} s" for one in (log.index, due))
+        raise ValueError(
+            f"drive: expected fixes within the time of the log, {own}; found fixes from {seen}"
+            f"{_apart(log.index[0], due[0], log.index[-1] - log.index[0])}"
+        )
     inside = int(((due >= log.index[0]) & (due <= log.index[-1])).sum())
     if inside < FEWEST_FIXES:
         raise ValueError(
             f"drive: expected at least {FEWEST_FIXES} fixes within the time of the log; found {inside} of {len(due)}"
         )
     return recorded
+
+
+def _apart(start: float, first: float, duration: float) -> str:
+    """Return in words what may have set the clocks of a log and its fixes apart, by their first stamps [s]."""
+    for name, converted in gps_time.SCALES.items():
+        for whole, offset, left in (
+            (start, start - converted(start), converted(start) - first),
+            (first, converted(first) - first, converted(first) - start),
+        ):
+            if whole > gps_time.GPS_EPOCH_S and abs(left) <= duration:
+                return f", as of {name} (time_offset: {{offset_s: {offset:.10g}}})"
+    return f" (are they on one clock? time_offset: {{offset_s: {start - first:.10g}}} lets both begin together)"
 
 
 def screen(recorded: RecordedDrive) -> RecordedDrive:
@@ -326,6 +345,8 @@ def prepare(recorded: RecordedDrive) -> PreparedDrive:
         settings.assumptions, settings.quality, settings.alignment,
     )  # fmt: skip
     stated = PLACE_STD[0] in fixes or settings.states_receiver
+    if settings.clock_rate:
+        inputs = clock_rate.with_clock(inputs, settings.clock_rate)
     return PreparedDrive(inputs, recorded.corrections, stated, recorded.as_given)
 
 

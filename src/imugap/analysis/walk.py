@@ -16,7 +16,7 @@ from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
 from imugap.navigation.walk import pedestrian
 from imugap.navigation.walk.pedestrian import DOWN, AlignedWalk, WalkAssumptions, WalkSolution
-from imugap.navigation.walk.walk_physics import check_walk
+from imugap.navigation.walk.walk_physics import StanceFit, check_walk
 from imugap.workflow.tables import measured
 
 STD = "_std"
@@ -54,10 +54,11 @@ class WalkInputs:
 
 @dataclass(frozen=True)
 class NavigatedWalk:
-    """Solutions of the filter and of the smoother for a walk."""
+    """Solutions of the filter and of the smoother for a walk, and how the foot comes to rest at its stances."""
 
     filtered: WalkSolution
     smoothed: WalkSolution
+    fit: StanceFit
 
     def summary(self) -> dict[str, float]:
         """Return distance, duration, strides, and the end relative to the start, with standard deviations.
@@ -81,7 +82,7 @@ class NavigatedWalk:
             "end_heading_deg": (np.degrees(end["heading"]), np.degrees(std["heading"])),
         }
         values = {name: value if name == "strides" else float(value) for name, (value, _) in found.items()}
-        return values | {name + STD: float(value) for name, (_, value) in found.items()}
+        return values | {name + STD: self.fit.factor * float(value) for name, (_, value) in found.items()}
 
     def verdict(self) -> str:
         """Return in words how far the walk went, and where it ended."""
@@ -92,7 +93,7 @@ class NavigatedWalk:
         return (
             f"The walk went {one['distance_m']:.2f} m in {one['strides']} strides and {one['duration_s']:.1f} s.\n"
             f"It ended {away} m from where it began{share}, {height} m in height, and turned by {turn}° (± one "
-            "standard deviation)."
+            "standard deviation)." + (f"\n{self.fit}" if str(self.fit) else "")
         )
 
     def strides(self) -> pd.DataFrame:
@@ -117,6 +118,7 @@ class NavigatedWalk:
             np.max(np.interp(time[i : j + 1], time[[i, j]], down[[i, j]]) - down[i : j + 1])
             for i, j in zip(first, last, strict=True)
         ]
+        spread, sunk, turned = (self.fit.factor * np.asarray(one) for one in (spread, sunk, turned))
         return found.assign(
             duration=found["end"] - found["start"], clearance=clearance,
             heading=np.degrees(np.arctan2(steps[:, 1], steps[:, 0])), length_std=spread[0], rise_std=sunk,
@@ -134,7 +136,9 @@ class NavigatedWalk:
     def table(self) -> pd.DataFrame:
         """Return the smoothed Trajectory with standard deviations, sensor errors, and whether the foot is at stance."""
         one = self.smoothed
-        parts = [one.trajectory, one.trajectory_std.add_suffix(STD), one.sensors, one.sensors_std.add_suffix(STD)]
+        factor = self.fit.factor
+        stds = (factor * part.add_suffix(STD) for part in (one.trajectory_std, one.sensors_std))
+        parts = [one.trajectory, next(stds), one.sensors, next(stds)]
         return pd.concat(parts, axis=1).assign(stance=one.phase > MOVING)
 
 
@@ -161,4 +165,5 @@ def align(inputs: WalkInputs) -> AlignedWalk:
 
 def smooth(aligned: AlignedWalk) -> NavigatedWalk:
     """Filter and smooth."""
-    return NavigatedWalk(pedestrian.solve(aligned), pedestrian.solve(aligned, smooth=True))
+    fit = StanceFit.of(aligned)
+    return NavigatedWalk(pedestrian.solve(aligned), pedestrian.solve(aligned, smooth=True), fit)

@@ -1,6 +1,7 @@
 """Command ``walk``: navigate a walk with the device on a foot, write a folder, and print the verdict."""
 
 import argparse
+import sys
 from math import inf
 
 from imugap.api.walks import walk
@@ -49,6 +50,8 @@ def run(options: argparse.Namespace) -> None:
         heading_free=options.heading_free,
     )  # fmt: skip
     say(options.model, found.recognised("model"))
+    if options.json and str(found.found.fit):
+        print(f"imugap: {options.log}: {found.found.fit}", file=sys.stderr)
     report = found.made_by(options.command_line).report(folder, options.format)
     rows = ((title, value if std == "–" else f"{value} ± {std}") for title, value, std in extent(found.summary))
     print(json_text(found.summary) if options.json else summary_text(found.verdict, rows, report))

@@ -95,6 +95,20 @@ def motion(log: pd.DataFrame, interval: float) -> Motion:
     return Motion(moving, float(log.index[0]) + width * interval * np.arange(count + 1)[:-1])
 
 
+def departure(log: pd.DataFrame) -> float:
+    """Return when a device that mostly rests is first moved [s]; infinity if it never is.
+
+    The mean of a window then leaves the median of all of them, by a change that no device at rest has.
+    """
+    seconds = np.floor((log.index.to_numpy() - log.index[0]) / WINDOW_S)
+    windows = log[[*GYRO, *ACCEL]].groupby(seconds)
+    means, scatter = windows.mean(), windows.std().median() / np.sqrt(windows.size().median())
+    away = (means - means.median()).abs()
+    moved = pd.Series({name: limit for triad, limit in MOVED.items() for name in triad})
+    moving = (away > np.maximum(moved, SCATTER * scatter)).any(axis=1)
+    return float(log.index[0] + WINDOW_S * moving.idxmax()) if moving.any() else np.inf
+
+
 def vertical(log: pd.DataFrame) -> tuple[str, float] | None:
     """Return the axis along which gravity points, with its sign, as ``-z``, and the angle from it [rad].
 

@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 from tests.navigation.drive.test_vehicle_alignment import LEVEL, LEVER
 
 from imugap import cli, log
-from imugap.analysis.drive import DriveSettings, RecordedDrive, navigate_drive
+from imugap.analysis.drive import DriveSettings, RecordedDrive, check, navigate_drive
 from imugap.commands.drive import DISAGREES
 from imugap.log import GYRO
 from imugap.numerics.rotation import from_euler
@@ -111,11 +111,22 @@ def test_a_device_that_points_aside_is_named(level):
     assert "90 deg to the left" in correction.found or "90 deg to the right" in correction.found
 
 
+def at_rate(record, factor):
+    """The record with intervals longer by a factor."""
+    first = record.index[0]
+    return record.set_index(pd.Index(first + factor * (record.index - first), name=record.index.name))
+
+
 SAMPLES = {
     "as in deg/s": lambda one: one.assign(**{name: np.degrees(one[name]) for name in GYRO}),
     "converted twice": lambda one: one.assign(**{name: np.radians(one[name]) for name in GYRO}),
     "right-handed gyro_z": lambda one: one.assign(gyro_z=-one["gyro_z"]),
     "accel_y along": lambda one: one.assign(accel_y=-one["accel_y"]),
+    "rates of half the turns": lambda one: one.assign(**{name: one[name] / 2 for name in GYRO}),
+    "gyro_y and gyro_z exchanged": lambda one: one.assign(gyro_y=one["gyro_z"], gyro_z=one["gyro_y"]),
+    "accel_x and accel_y exchanged": lambda one: one.assign(accel_x=one["accel_y"], accel_y=one["accel_x"]),
+    "left-handed ones": lambda one: one.assign(gyro_y=-one["gyro_y"], accel_y=-one["accel_y"]),
+    "the rate is half the stated one": lambda one: at_rate(one, 0.5),
     "gravity is removed": lambda one: one.assign(accel_z=one["accel_z"] / 3),
 }
 
@@ -128,10 +139,84 @@ def test_a_wrong_unit_or_sign_of_the_samples_is_refused(level, words, spoil):
 
 
 @pytest.mark.slow
-def test_places_alone_show_an_exchange(level):
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_places_alone_show_an_exchange_or_a_sign(level, mirrored):
     fixes = level.fixes(1, SEED)[["latitude", "longitude", "height", "sd_n", "sd_e", "sd_d"]]
-    with pytest.raises(ValueError, match="fixes: expected latitude, longitude in this order"):
-        verdict(level, fixes.assign(latitude=fixes["longitude"], longitude=fixes["latitude"]))
+    exchanged = fixes.assign(latitude=fixes["longitude"], longitude=fixes["latitude"])
+    with pytest.raises(ValueError, match=r"fixes: expected latitude, longitude in this order.*opposite sign"):
+        verdict(level, fixes.assign(longitude=-fixes["longitude"]) if mirrored else exchanged)
+
+
+@pytest.mark.slow
+def test_a_sign_and_a_time_offset_at_once_are_named_together(level):
+    record = level.record(1, SEED)
+    with pytest.raises(ValueError, match=r"opposite sign of the turns.*stamps of the fixes that are 18\.0. s late"):
+        verdict(level, later(level.fixes(1, SEED), 18.0), record.assign(gyro_z=-record["gyro_z"]))
+
+
+@pytest.mark.parametrize("rate", [1e-2, 1e-3])
+def test_a_clock_that_goes_too_fast_is_named_and_corrected(level, rate):
+    drive = replace(level, legs=2 * LEVEL)
+    found = verdict(drive, record=at_rate(drive.record(1, SEED), 1 - rate))
+    (correction,) = found.verdict.corrections
+    assert correction.error == "clock rate"
+    assert found.inputs.assumptions.clock_rate == pytest.approx(rate, rel=0.1)
+    assert not found.verdict.reasons
+
+
+def test_a_clock_rate_of_the_configuration_is_used(level):
+    record, fixes = at_rate(level.record(1, SEED), 0.99), level.fixes(1, SEED)
+    found = navigate_drive(RecordedDrive(record, fixes, DriveSettings(clock_rate=1 / 0.99 - 1)))
+    assert found.verdict.agrees
+    assert found.table(found.smoothed).index[-1] == pytest.approx(record.index[-1], abs=0.1)
+
+
+def test_a_clock_that_is_set_in_between_is_not_taken_for_a_drift(level):
+    drive = replace(level, legs=2 * LEVEL)
+    fixes = drive.fixes(1, SEED)
+    time = fixes.index.to_numpy()
+    found = verdict(drive, later(fixes, np.where(time > np.median(time), 0.4, 0.0))).verdict
+    assert not found.agrees
+    assert any("time offset of the fixes changes by 0.4" in reason for reason in found.reasons)
+
+
+def test_an_offset_that_the_filter_gives_up_is_named(level):
+    """From the middle on the fixes are 47 m lower, as above the geoid."""
+    drive = replace(level, legs=2 * LEVEL)
+    fixes = drive.fixes(1, SEED)
+    middle = np.median(fixes.index)
+    found = verdict(drive, fixes.assign(height=fixes["height"] - 47.0 * (fixes.index > middle)), drive.record(1, SEED))
+    assert not found.verdict.agrees
+    assert found.verdict.beside[0].begin == pytest.approx(middle, abs=10)
+    assert found.verdict.beside[0].by == pytest.approx(47, abs=3)
+
+
+def test_a_device_that_turns_in_its_mounting_is_not_explained_by_noise(level):
+    record, turn = level.record(1, SEED), from_euler(np.array([0.0, 0.1, 0.2]))
+    half = record.index > np.median(record.index)
+    for triad in (GYRO, ("accel_x", "accel_y", "accel_z")):
+        turned = turn.apply(record.loc[half, list(triad)].to_numpy(copy=True))
+        record.loc[half, list(triad)] = turned
+    found = verdict(level, record=record).verdict
+    assert found.reasons
+    assert "which its samples do not show" in str(found)
+
+
+@pytest.mark.slow
+def test_slow_errors_of_a_receiver_that_states_its_noise_are_named(surveyed):
+    drive = replace(surveyed, receiver=replace(surveyed.receiver, lever_m=PLAIN))
+    fixes = drive.fixes(0, SEED)
+    stated = slow(fixes, 0, (2.0, 2.0, 4.0), 60.0).assign(sd_n=2.0, sd_e=2.0, sd_d=4.0)
+    stated = stated.assign(**{name: fixes[name] for name in fixes if name.startswith("sd_vel")})
+    found = verdict(drive, stated, drive.record(0, SEED)).verdict
+    assert "slow errors" in [one.error for one in found.corrections]
+
+
+def test_a_scale_that_outliers_alone_show_is_named(level):
+    drive = replace(level, legs=2 * LEVEL, receiver=replace(level.receiver, rate_hz=1))
+    record = drive.record(1, SEED)
+    found = verdict(drive, record=record.assign(gyro_z=1.15 * record["gyro_z"])).verdict
+    assert "scale factor" in [one.error for one in found.corrections]
 
 
 def test_places_alone_in_noise_show_no_exchange(surveyed):
@@ -188,3 +273,14 @@ def test_slow_errors_of_a_receiver_are_states_and_leave_the_time_offset_right(su
     assert abs(said["time_offset_s"]["value"] + 0.2) < 4 * said["time_offset_s"]["std"] + 1e-3
     assert 0.5 < said["receiver_slow_std"]["north"] * np.sqrt(60.0 / said["receiver_slow_s"]) / 2.0 < 2.0
     assert said["receiver_std"]["north"] < 0.2
+
+
+@pytest.mark.parametrize(("start", "shift", "words"), [
+    (1.7e9, 18 - 315_964_800, r"seconds of GPS time against seconds since 1970 \(time_offset: {offset_s: 315964782}\)"),
+    (1.7e9, 18 - 315_964_800 - 2288 * 604_800, "seconds of the GPS week against seconds since 1970"),
+    (0.0, 345_600.0, r"are they on one clock\? time_offset: {offset_s: -345"),
+])  # fmt: skip
+def test_clocks_that_are_far_apart_are_named(level, start, shift, words):
+    record, fixes = (later(one, start) for one in (level.record(1, SEED), level.fixes(1, SEED)))
+    with pytest.raises(ValueError, match=f"expected fixes within the time of the log.*{words}"):
+        check(RecordedDrive(record, later(fixes, shift), DriveSettings()))

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from imugap.io import gnss
@@ -84,6 +85,11 @@ WRONG = {
     "latitude and longitude in this order": lambda one: turned(one, latitude="longitude", longitude="latitude"),
     "vel_n and vel_e in this order": lambda one: turned(one, vel_n="vel_e", vel_e="vel_n"),
     "opposite to the displacements": lambda one: one.assign(vel_n=-one["vel_n"], vel_e=-one["vel_e"]),
+    "positive to the east": lambda one: one.assign(longitude=-one["longitude"]),
+    "vel_n positive to the north": lambda one: one.assign(vel_n=-one["vel_n"]),
+    "as where minutes are written as decimals": lambda one: one.assign(
+        **{name: one[name].iloc[0] + 0.6 * (one[name] - one[name].iloc[0]) for name in ("latitude", "longitude")}
+    ),
 }
 
 
@@ -99,3 +105,57 @@ def test_velocities_that_contradict_positions_are_left_out(sound):
     found, (correction,) = screen(wrong, STD)
     assert correction.error == "velocities that contradict positions"
     assert not set(SPEEDS) & set(found.columns)
+
+
+def test_velocities_of_no_known_unit_get_no_name(sound):
+    """1.5 times the displacements: nearer to none of the units than a receiver errs."""
+    _, (correction,) = screen(sound.assign(**{name: 1.5 * sound[name] for name in SPEEDS}), STD)
+    assert correction.error == "velocities that contradict positions"
+
+
+def test_velocities_that_are_late_against_the_positions_are_moved(sound):
+    late = sound.assign(**{name: np.interp(sound.index - 0.6, sound.index, sound[name]) for name in SPEEDS})
+    found, (correction,) = screen(late, STD)
+    assert correction.error == "delay of velocities"
+    errors = np.abs(found[SPEEDS] - sound[SPEEDS]).mean() / np.abs(late[SPEEDS] - sound[SPEEDS]).mean()
+    assert (errors[:2] < 0.6).all()
+
+
+def test_a_vertical_velocity_that_is_not_measured_is_left_out(sound):
+    found, (correction,) = screen(sound.assign(vel_d=0.0), STD)
+    assert correction.error == "vertical velocity"
+    assert found["vel_d"].isna().all()
+    assert found[SPEEDS[:2]].equals(sound[SPEEDS[:2]])
+
+
+def test_a_vertical_velocity_of_the_opposite_sign_is_seen_beyond_the_noise_of_the_heights(lap):
+    noisy = replace(lap.receiver, rate_hz=1, position_std=(1.5, 1.5, 3.0))
+    flat = replace(lap, receiver=noisy).fixes(1, SEED)
+    phase = 2 * np.pi * flat.index.to_numpy() / 60
+    fixes = flat.assign(
+        height=flat["height"] + 8 * np.sin(phase), vel_d=flat["vel_d"] - 16 * np.pi / 60 * np.cos(phase)
+    )
+    screen(fixes, STD)
+    with pytest.raises(ValueError, match="expected vel_d positive down"):
+        screen(fixes.assign(vel_d=-fixes["vel_d"]), STD)
+
+
+def test_held_fixes_are_known_by_their_place_not_by_their_digits(sound):
+    own = sound.iloc[::5]
+    held = own.loc[own.index.repeat(5)]
+    held.index = held.index + np.tile(np.arange(5), len(own)) / 5
+    held.index.name = sound.index.name
+    found, (correction,) = screen(held.assign(latitude=held["latitude"] + 1e-11 * np.arange(len(held))), STD)
+    assert correction.error == "held fixes"
+    assert len(found) < 2 * len(own)
+
+
+@pytest.mark.parametrize("times", [2, 5, 10])
+def test_interpolated_fixes_are_left_out(sound, times):
+    own = sound.iloc[::5]
+    step = 1.0 / times
+    stamps = np.round(np.arange(own.index[0], own.index[-1] + step / 2, step), 9)
+    columns = {name: np.interp(stamps, own.index, own[name]) for name in own}
+    found, (correction,) = screen(pd.DataFrame(columns, index=pd.Index(stamps, name=sound.index.name)), STD)
+    assert correction.error == "interpolated fixes"
+    assert len(found) < 1.2 * len(own)

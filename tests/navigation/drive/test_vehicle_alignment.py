@@ -7,6 +7,8 @@ import pytest
 
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import NO_CONTROL
+from imugap.integrity.rest import departure
+from imugap.log import GYRO
 from imugap.navigation.drive.vehicle import LEVER_ARM, DriveInputs, navigate
 from imugap.navigation.drive.vehicle_alignment import align
 from imugap.simulation.drive import DriveLeg
@@ -74,3 +76,18 @@ def test_a_receiver_without_a_vertical_velocity_starts_a_drive_as_early(lap, ass
         for one in (fixes, fixes.assign(vel_d=np.nan, sd_vel_d=np.nan))
     ]
     assert starts[1] - starts[0] <= 2.0
+
+
+def test_a_rest_ends_where_the_samples_do_though_noisy_fixes_show_it_late(level, assumptions):
+    """Places alone with 1.5 m of noise at 1 Hz tell a speed above 3 m/s, seconds after the departure."""
+    receiver = replace(level.receiver, rate_hz=1, lever_m=(0.0, 0.0, 0.0), position_std=(1.5, 1.5, 3.0))
+    drive = replace(level, receiver=receiver)
+    fixes, record = drive.fixes(1, SEED), drive.record(1, SEED)
+    places = fixes[[name for name in fixes if not name.startswith(("vel", "sd_vel"))]]
+    inputs = DriveInputs(record, places, drive.model, drive.ellipsoid, assumptions, NO_CONTROL)
+    start, states = align(inputs), assumptions.states(drive.model)
+    assert departure(record.loc[: record.index[0] + 20]) == pytest.approx(record.index[0] + 15, abs=1.5)
+    rates = record.loc[: record.index[0] + 12, list(GYRO)].mean().to_numpy()
+    for axis, rate in enumerate(rates):
+        bias = start.errors[: len(states)][(states.axis == axis) & ~states.scale].sum()
+        assert abs(bias + states.fixed[axis] - rate) < 2e-4

@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 
 from imugap.log import GYRO
-from imugap.navigation.walk.pedestrian import WalkAssumptions
-from imugap.navigation.walk.walk_physics import check_walk
+from imugap.navigation.walk.pedestrian import WalkAssumptions, align
+from imugap.navigation.walk.walk_physics import StanceFit, check_walk
 from imugap.simulation.walk import Walk, WalkCourse
 
 ROOT = Path(__file__).parents[3]
@@ -45,6 +45,11 @@ SPOILT = {
     "as of angular rates 57.3 times too small": lambda log: log.assign(
         **{name: np.radians(log[name]) for name in GYRO}
     ),
+    "as of gyro_y of the opposite sign": lambda log: log.assign(gyro_y=-log["gyro_y"]),
+    "as of gyro_x and gyro_y exchanged": lambda log: log.assign(gyro_x=log["gyro_y"], gyro_y=log["gyro_x"]),
+    "as of angular rates twice too large": lambda log: log.assign(**{name: 2 * log[name] for name in GYRO}),
+    "as of accel_x of the opposite sign": lambda log: log.assign(accel_x=-log["accel_x"]),
+    "as of left-handed axes": lambda log: log.assign(gyro_y=-log["gyro_y"], accel_y=-log["accel_y"]),
 }
 
 
@@ -57,3 +62,28 @@ def test_wrong_physics_is_named(walk, words, spoil):
 def test_a_wrong_gravity_is_refused(walk):
     with pytest.raises(ValueError, match=r"near 20 m/s\^2 \(--gravity\); found 9\.[78]"):
         check(walk, walk.record(1, SEED), 20.0)
+
+
+def fit(walk, log):
+    return StanceFit.of(align(log, walk.model, WalkAssumptions(gravity=walk.site.gravity, floor_std=0.01)))
+
+
+@pytest.mark.parametrize("run", range(3))
+def test_a_sound_walk_is_not_doubted(walk, run):
+    assert str(fit(walk, walk.record(run, SEED))) == ""
+
+
+def test_a_knock_makes_the_walk_less_certain(walk):
+    log = walk.record(1, SEED)
+    swing = int(np.linalg.norm(log[list(GYRO)], axis=1).argmax())
+    log.iloc[swing : swing + 3, 3:] += 150.0
+    found = fit(walk, log)
+    assert found.factor > 2
+    assert "less exactly than stated" in str(found)
+
+
+def test_a_scale_that_lifts_every_stride_is_told_from_a_level_floor(walk):
+    log = walk.record(1, SEED)
+    found = fit(walk, log.assign(**{name: 1.15 * log[name] for name in GYRO}))
+    assert found.climbs
+    assert "not on the level of the last one" in str(found)

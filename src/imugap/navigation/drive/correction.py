@@ -15,11 +15,14 @@ class Correction:
         What was found, in words.
     setting
         What was done: the setting of the configuration that does the same, or what was left out.
+    explains
+        Whether device and fixes may agree with it; a correction that only bears a contradiction does not.
     """
 
     error: str
     found: str
     setting: str
+    explains: bool = True
 
     def __str__(self) -> str:
         """Return both in one line."""

@@ -16,15 +16,18 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
+import pandas as pd
 from scipy.spatial.transform import Rotation
-from scipy.special import chdtri
+from scipy.special import bdtrc, chdtri
 
 from imugap.effects import WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.filters.innovation_gate import QualityControl
 from imugap.io import gnss
 from imugap.io.gnss import PLACE_STD, VELOCITY_STD
+from imugap.log import AXES, TIME
 from imugap.model import ErrorModel
+from imugap.navigation.drive.clock_rate import clock_correction, with_drift
 from imugap.navigation.drive.correction import Correction
 from imugap.navigation.drive.vehicle import LEVER_ARM, TIME_OFFSET, DriveInputs, DriveSolution, navigate
 from imugap.navigation.drive.vehicle_alignment import align
@@ -53,12 +56,14 @@ SLOW_STD, SLOW_STEPS = (1.5, 1.5, 3.0), (4.0, 2.0)
 """Standard deviations of slow errors of a position from which their fit starts [m], and steps of its factors."""
 SLOW_S, SLOW_CORRELATION = 1.0, 0.3
 """Lag [s], and correlation of the fixes off the smoothed path from which on their errors are slow."""
-CLIP_SIGMA = 4.0
-"""Limit of an innovation in the estimate of the noise, in its standard deviations."""
-DEVICE_FACTORS = 3.0, 10.0, 30.0
-"""Factors on the white noise of a device that are tried."""
+DEVICE_FACTORS, DEVICE_STEP = (3.0, 10.0, 30.0), 10**0.25
+"""Factors on the white noise of a device that are tried, and half a step of them."""
 GROUPS = (0, 1), (2,), (3, 4), (5,)
 """Components of a fix that share a factor: position across and down, velocity across and down."""
+CLOCK_PARTS, CLOCK_SIGMA = 4, 5.0
+"""Parts of a drive of which each gets a time offset of its own, and significance of a clock rate that is named."""
+CHANCE = 1e-6
+"""Probability of as many failing fixes below which they are not chance."""
 FAILING, LARGEST_NIS = 0.05, 1.6
 """Share of failing fixes, and capped NIS over its degrees of freedom, above which a filter does not fit."""
 
@@ -75,11 +80,14 @@ class InnovationFit:
         Share of fixes that fail the global test.
     likelihood
         Logarithm of the likelihood of the innovations, with heavy tails beyond the cap.
+    chance
+        Probability of as many failing fixes for a consistent filter.
     """
 
     nis: float
     failing: float
     likelihood: float
+    chance: float = 1.0
 
     @classmethod
     def of(cls, solution: DriveSolution) -> "InnovationFit":
@@ -90,16 +98,22 @@ class InnovationFit:
         most = CAP * freedom
         capped = np.minimum(statistic, most)
         tailed = capped + most * np.log(np.maximum(statistic / most, 1.0))
-        limit = chdtri(freedom, CONTROL.false_alarm)
+        failing = int(np.sum(statistic > chdtri(freedom, CONTROL.false_alarm)))
         return cls(
-            float(capped.sum() / freedom.sum()), float(np.mean(statistic > limit)),
+            float(capped.sum() / freedom.sum()), failing / len(freedom),
             float(-0.5 * np.sum(tailed + record.log_det[used])),
+            float(bdtrc(failing - 1, len(freedom), CONTROL.false_alarm)) if failing else 1.0,
         )  # fmt: skip
 
     @property
     def fits(self) -> bool:
         """Whether innovations are as large as the filter expects."""
         return self.nis < LARGEST_NIS and self.failing < FAILING
+
+    @property
+    def sound(self) -> bool:
+        """Whether no more fixes fail than may be chance."""
+        return self.fits and self.chance > CHANCE
 
 
 def solve(inputs: DriveInputs, smooth: bool = False) -> DriveSolution:
@@ -129,6 +143,7 @@ def correct(inputs: DriveInputs, stated: bool) -> tuple[DriveInputs, tuple[Corre
                 best, gained = (tried, found), gain
         if best is None:
             break
+        fixes = fixes.set_axis(best[0].fixes.index)
         inputs = best[0] if stated else with_estimated_noise(replace(best[0], fixes=fixes))
         corrections.append(best[1])
     return inputs, tuple(corrections)
@@ -143,12 +158,16 @@ def _candidates(
         yield from _time_offset(inputs)
     if "lever arm" not in named and assumptions.lever_std == 0:
         yield from _lever_arm(inputs)
+    if not {"clock rate", "unsteady clock"} & set(named):
+        yield from _clock_rate(inputs)
+    if stated and not {"slow errors", "receiver noise"} & set(named) and not any(assumptions.slow_position_std):
+        yield from _slow_receiver(inputs)
+    if "scale factor" not in named and not base.sound:
+        yield from _scale_factor(inputs)
     if base.fits:
         return
     if stated and "receiver noise" not in named:
         yield from _receiver_noise(inputs)
-    if "scale factor" not in named:
-        yield from _scale_factor(inputs)
     if "device noise" not in named:
         yield from _device_noise(inputs)
 
@@ -166,6 +185,45 @@ def _time_offset(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]
     if abs(change) > OFFSET_LEAST:
         found = f"the stamps of the fixes are {abs(change):.3f} s {'late' if change < 0 else 'early'}"
         yield tried, Correction("time offset", found, f"time_offset: {{offset_s: {moved:.3f}}}")
+
+
+def _clock_rate(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]]:
+    """Estimate how fast the clock of the device goes, by the time offsets of parts of a drive.
+
+    Offsets on a line are those of a clock. Others change where samples or fixes were lost from the count of a clock;
+    following them between the middles of the parts bears with that, but does not explain it.
+    """
+    time = inputs.fixes.index.to_numpy(dtype=float)
+    parts = np.array_split(np.arange(len(time)), CLOCK_PARTS)
+    found = [(time[part].mean(), *_offset_of(replace(inputs, fixes=inputs.fixes.iloc[part]))) for part in parts]
+    known = [one for one in found if np.isfinite(one[1])]
+    if len(known) < 2:
+        return
+    middle, offset, std = np.array(known).T
+    begin, change = inputs.log.index[0] - inputs.assumptions.time_offset_s, float(np.ptp(offset))
+    (drift, first), covariance = np.polyfit(middle - begin, offset, 1, w=1 / std, cov="unscaled")
+    off_line = float(np.sum(((offset - first - drift * (middle - begin)) / std) ** 2))
+    if change < OFFSET_LEAST:
+        return
+    if len(middle) > 2 and off_line > chdtri(len(middle) - 2, CHANCE):
+        stamps = pd.Index(time + np.interp(time, middle, offset), name=TIME)
+        words = (
+            f"the time offset of the fixes changes by {change:.2f} s, not evenly (lost samples, a clock that was set?)"
+        )
+        tried = replace(inputs, fixes=inputs.fixes.set_axis(stamps))
+        yield tried, Correction("unsteady clock", words, "stamps of the fixes moved", explains=False)
+    elif abs(drift) > CLOCK_SIGMA * np.sqrt(covariance[0, 0]):
+        tried = with_drift(inputs, float(drift), float(first))
+        yield tried, clock_correction(tried, inputs)
+
+
+def _offset_of(inputs: DriveInputs) -> tuple[float, float]:
+    """Return the time offset of the fixes beyond the assumed one, and its standard deviation [s]; NaN without one."""
+    try:
+        one = solve(replace(inputs, assumptions=replace(inputs.assumptions, time_offset_std=OFFSET_STD)))
+    except ValueError:
+        return np.nan, np.nan
+    return float(one.sensors[TIME_OFFSET].iloc[-1]), float(one.sensors_std[TIME_OFFSET].iloc[-1])
 
 
 def _lever_arm(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]]:
@@ -207,6 +265,25 @@ def _receiver_noise(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correcti
         yield tried, Correction("receiver noise", found, setting)
 
 
+def _slow_receiver(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]]:
+    """Estimate slow errors of the positions of a receiver that states its noise."""
+    if not _slow_errors(inputs):
+        return
+    tried = _with_slow_errors(inputs)
+    known = tried.assumptions
+    across, _, down = known.slow_position_std
+    std = np.median(deviations(tried), axis=0)
+    found = (
+        f"the errors of the positions last for seconds: {across:.2g} m horizontally and {down:.2g} m vertically over "
+        f"some {known.slow_position_s:.2g} s"
+    )
+    setting = (
+        f"receiver: {{horizontal_m: {std[0]:.2g}, vertical_m: {std[2]:.2g}, slow_horizontal_m: {across:.2g}, "
+        f"slow_vertical_m: {down:.2g}, slow_s: {known.slow_position_s:.2g}}}"
+    )
+    yield tried, Correction("slow errors", found, setting)
+
+
 def _scale_factor(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]]:
     """Estimate scale factors."""
     tried = replace(inputs, assumptions=replace(inputs.assumptions, scale_std=(SCALE_STD, SCALE_STD)))
@@ -225,7 +302,11 @@ def _scale_factor(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction
 
 
 def _device_noise(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]]:
-    """Multiply the white noise of the device, as of vibration."""
+    """Multiply the white noise of the device, as of vibration, which its samples then show; else nothing is explained.
+
+    Noise in place of any other error of the device keeps the path near the fixes.
+    """
+    shown = _noise_ratio(inputs)
     for factor in DEVICE_FACTORS:
         model = ErrorModel({
             axis: AxisModel(tuple(
@@ -233,8 +314,29 @@ def _device_noise(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction
             ))
             for axis, own in inputs.model.axes.items()
         })  # fmt: skip
-        found = f"the device has some {factor:g} times the white noise of its model, as under vibration"
-        yield replace(inputs, model=model), Correction("device noise", found, "model: a file with more white noise")
+        tried, setting = replace(inputs, model=model), "model: a file with more white noise"
+        if shown > factor / DEVICE_STEP:
+            found = f"the device has some {factor:g} times the white noise of its model, as under vibration"
+            yield tried, Correction("device noise", found, setting)
+        else:
+            found = (
+                f"the device errs as by {factor:g} times the white noise of its model, which its samples do not show "
+                "(a device that was turned in its mounting, a bias that stepped, axes or scales that are wrong?)"
+            )
+            yield tried, Correction("device noise", found, setting, explains=False)
+
+
+def _noise_ratio(inputs: DriveInputs) -> float:
+    """Return the white noise of the samples over that of the model, of the axis with the largest ratio.
+
+    That of the samples is of their second differences in the median second, which the motion of a vehicle leaves small.
+    """
+    steps, log = np.diff(inputs.log.index.to_numpy()), inputs.log
+    differences = log.diff().diff().iloc[2:]
+    seconds = np.floor(differences.index.to_numpy() - log.index[0])
+    density = np.sqrt((differences**2).groupby(seconds).mean().median() / 6 * np.median(steps))
+    white = inputs.assumptions.states(inputs.model).white
+    return float(np.max(density[list(AXES)].to_numpy() / np.sqrt(np.maximum(white, 1e-30))))
 
 
 def deviations(inputs: DriveInputs) -> np.ndarray:
@@ -317,8 +419,11 @@ def with_estimated_noise(inputs: DriveInputs) -> DriveInputs:
     Where the fixes stay to one side of the smoothed path for seconds, their position has slow errors besides, which are
     states of the filter; solution separation, which takes them for faults, is left out then.
     """
-    if not _slow_errors(inputs):
-        return with_noise(inputs, noise_factors(inputs))
+    return _with_slow_errors(inputs) if _slow_errors(inputs) else with_noise(inputs, noise_factors(inputs))
+
+
+def _with_slow_errors(inputs: DriveInputs) -> DriveInputs:
+    """Return the inputs with noise and slow errors of the positions by the innovations."""
     if not any(inputs.assumptions.slow_position_std):
         inputs = replace(inputs, assumptions=replace(inputs.assumptions, slow_position_std=SLOW_STD))
     inputs = replace(inputs, quality=replace(inputs.quality, separation_s=None))
@@ -327,12 +432,21 @@ def with_estimated_noise(inputs: DriveInputs) -> DriveInputs:
 
 
 def _slow_errors(inputs: DriveInputs) -> bool:
-    """Return whether the fixes are off the smoothed path in the same way a second later."""
+    """Return whether fixes are off the smoothed path to the same side a second later, in both halves of a drive.
+
+    Of a normal process the arcsine law tells the correlation; an offset of some fixes does not count.
+    """
     one = solve(inputs, smooth=True)
+    off = off_path(inputs, one)[:, :2]
+    lag = max(round(SLOW_S / float(np.median(np.diff(one.fix_time)))), 1)
+    alike = (np.sign(off[lag:]) * np.sign(off[:-lag])).mean(axis=1)
+    halves = np.array_split(alike, 2)
+    return bool(min(half.mean() for half in halves) > 2 / np.pi * np.arcsin(SLOW_CORRELATION))
+
+
+def off_path(inputs: DriveInputs, one: DriveSolution) -> np.ndarray:
+    """Return the positions of the fixes of a solution less those of the antenna by it, shape (fixes, 3) [m]."""
     navigation = one.history.navigation[one.fix_row]
     rows = np.searchsorted(inputs.fixes.index.to_numpy(), one.fix_time)
     antenna = navigation[:, :3] + Rotation.from_quat(navigation[:, 6:]).apply(np.array(inputs.assumptions.lever_m))
-    off = (gnss.local(inputs.fixes, inputs.ellipsoid)[rows, :3] - antenna)[:, :2]
-    lag = max(round(SLOW_S / float(np.median(np.diff(one.fix_time)))), 1)
-    off = np.clip(off, *(sign * CLIP_SIGMA * np.median(np.abs(off), axis=0) for sign in (-1, 1)))
-    return bool(np.sum(off[lag:] * off[:-lag]) > SLOW_CORRELATION * np.sum(off**2))
+    return gnss.local(inputs.fixes, inputs.ellipsoid)[rows, :3] - antenna

@@ -2,19 +2,23 @@
 
 Over windows with much motion the velocities of the fixes are matched with the samples
 (:mod:`imugap.navigation.drive.velocity_matching`). What the samples leave unexplained of the changes of velocity is
-small where both belong together, for any vehicle. If it is not, each candidate error is tried: units and signs of the
-samples, an order of the columns of the fixes, and a time offset between the clocks. The candidate that explains the
-changes is named: a unit, a sign or an order is refused, a time offset is compensated. Where the device points to the
-same side of the course in all windows, so does its mounting.
+small where both belong together, for any vehicle. Each candidate error is tried: units, signs and orders of the
+samples, an order of the columns of the fixes, a wrong rate, and a time offset between the clocks. The candidate that
+explains the changes is named, with those that explain them as well: a mirrored log is the same as a mirrored map, for a
+heading that is not known. A unit, a sign or an order is refused, a time offset is compensated. Where neither does, both
+together are tried. Where the device points to the same side of the course in all windows, so does its mounting.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple, NoReturn
 
 import numpy as np
 import pandas as pd
+from scipy.stats import theilslopes
 
 from imugap.log import ACCEL, GYRO
+from imugap.navigation.drive.clock_rate import clock_correction, with_clock, with_drift
 from imugap.navigation.drive.correction import Correction
 from imugap.navigation.drive.fix_screening import middle
 from imugap.navigation.drive.vehicle import DriveInputs
@@ -29,8 +33,15 @@ EVERY_S = 10.0
 """Time between the windows to choose from [s]."""
 UNEXPLAINED, EXPLAINED = 0.08, 0.15
 """Unexplained share from which on a drive is doubtful, and below which an error is named."""
+HOPELESS, FEW = 0.3, 2
+"""Unexplained share from which on two errors at once are searched for, and number of windows of that search."""
 BETTER = 0.4
 """Largest unexplained share with a named error corrected, as a multiple of that without it."""
+SURE, TIED = 20.0, 3.0
+"""Gain of the log-likelihood that names an error where the drive is not doubtful otherwise, and difference of gains
+within which two errors are not told apart."""
+INDEPENDENT = 0.5
+"""Independent residuals, as a share of all: a change of velocity shares a fix with the next one."""
 SMALLEST_SIGNAL = 1.5
 """Root mean square of the changes of velocity that a comparison needs, as a multiple of their noise."""
 SPANS_S = SPAN_S, 2.5
@@ -39,6 +50,8 @@ LONGEST_OFFSET_S, COARSE_S = 90.0, 0.5
 """Largest time offset that is tried, and the step of the search [s]."""
 FINE_S = 0.05, 0.01
 """Steps of the refinement [s]."""
+DRIFTS_S = (4.0, 0.2), (0.4, 0.02)
+"""Reach and step of the time offset of a single window [s], twice."""
 LEAP_S = {18: "GPS time against UTC", 17: "GPS time against UTC before 2017", 37: "TAI against UTC",
           19: "TAI against GPS time"}  # fmt: skip
 """Offsets of time scales [s]."""
@@ -50,6 +63,35 @@ COURSE_SPEED = 3.0
 """Smallest speed with a course [m/s]."""
 GRAVITY_SHARE = 0.85, 1.15
 """Range of the median norm of the specific force, in units of gravity."""
+
+
+class MotionFit(NamedTuple):
+    """Fit of samples to changes of velocity.
+
+    Attributes
+    ----------
+    unexplained
+        Share of the changes that samples do not explain, nor noise; inf without any.
+    spread
+        Mean square of the residuals over that of the changes.
+    freedom
+        Number of independent residuals.
+    """
+
+    unexplained: float
+    spread: float
+    freedom: float
+
+    def gain(self, plain: "MotionFit") -> float:
+        """Return the gain of the log-likelihood over another fit, for noise of unknown size."""
+        if not np.isfinite(self.unexplained):
+            return -np.inf
+        if not np.isfinite(plain.unexplained):
+            return np.inf
+        return 0.5 * self.freedom * float(np.log(plain.spread / self.spread))
+
+
+NOTHING = MotionFit(np.inf, np.inf, 0.0)
 
 
 @dataclass(frozen=True)
@@ -64,32 +106,32 @@ class DriveWindows:
         found = (pair.match(at, self.span) for at in self.times)
         return [one for one in found if one is not None]
 
-    def unexplained(self, pair: VelocityPair, noise: bool = True) -> float:
-        """Return the share of the changes of velocity that samples do not explain, nor ``noise``; inf without any."""
+    def fit(self, pair: VelocityPair) -> MotionFit:
+        """Return how the samples explain the changes of velocity."""
         found = self.match(pair)
         if len(found) < max(len(self.times) / 2, 1):
-            return np.inf
-        rest = sum(max(one.residual * (1 - noise / one.misfit**2), 0.0) for one in found)
-        return rest / max(sum(one.change for one in found), 1e-12)
+            return NOTHING
+        change, freedom = max(sum(one.change for one in found), 1e-12), sum(one.freedom for one in found)
+        rest = sum(max(one.residual * (1 - 1 / one.misfit**2), 0.0) for one in found)
+        return MotionFit(rest / change, sum(one.residual for one in found) / change, INDEPENDENT * freedom)
 
 
 @dataclass(frozen=True)
 class _Candidate:
-    """What may be wrong with the inputs: a change of the pair that corrects it, and the message that refuses them."""
+    """What may be wrong with the inputs: a change of the pair that corrects it, what was expected, and what found."""
 
     change: Callable[[], VelocityPair]
-    message: str
+    expected: str
+    found: str
 
-    def unexplained(self) -> float:
-        """Return the unexplained share of the corrected pair."""
-        pair = self.change()
-        windows = windows_of(pair)
-        return np.inf if windows is None else windows.unexplained(pair)
+    def fit(self) -> MotionFit:
+        """Return the fit of the corrected pair."""
+        return _fit(self.change())
 
     def is_needed(self, pair: VelocityPair) -> bool:
         """Return whether the samples leave changes of ``pair`` unexplained where the corrected one shows motion."""
         windows = windows_of(self.change())
-        return windows is not None and windows.unexplained(pair) >= UNEXPLAINED
+        return windows is not None and windows.fit(pair).unexplained >= UNEXPLAINED
 
 
 def windows_of(pair: VelocityPair) -> DriveWindows | None:
@@ -113,17 +155,48 @@ def check_physics(inputs: DriveInputs) -> tuple[DriveInputs, tuple[Correction, .
     """Return the inputs with a gross time offset compensated, and that; a ValueError names any other gross error."""
     _check_gravity(inputs)
     pair = velocity_pair(inputs)
+    windows, plain = windows_of(pair), _fit(pair)
+    doubtful = plain.unexplained >= UNEXPLAINED
+    limit = min(EXPLAINED, BETTER * plain.unexplained)
+    candidates = [one for one in _candidates(inputs, pair) if windows or one.is_needed(pair)]
+    gains = {
+        one: fit.gain(plain)
+        for one, fit in ((one, one.fit()) for one in candidates)
+        if fit.unexplained < limit and (doubtful or fit.gain(plain) > SURE)
+    }
+    offset, late = _time_offset(pair, windows) if doubtful and windows is not None else (0.0, NOTHING)
+    if gains and max(gains.values()) > late.gain(plain):
+        _refuse(gains)
+    if late.unexplained < limit:
+        return _with_offset(inputs, offset, plain, late)
+    if plain.unexplained >= HOPELESS and windows is not None:
+        _refuse_both(candidates, windows, limit)
+    return inputs, ()
+
+
+def _fit(pair: VelocityPair) -> MotionFit:
+    """Return how the samples explain the changes of velocity in the windows with the largest ones."""
     windows = windows_of(pair)
-    plain = np.inf if windows is None else windows.unexplained(pair)
-    if plain < UNEXPLAINED:
-        return inputs, ()
-    limit = min(EXPLAINED, BETTER * plain)
-    candidates = {one: one.unexplained() for one in _candidates(inputs, pair) if windows or one.is_needed(pair)}
-    best = min(candidates, key=candidates.get, default=None)
-    offset, rest = (0.0, np.inf) if windows is None else _time_offset(pair, windows)
-    if best is not None and candidates[best] < min(limit, rest):
-        raise ValueError(best.message)
-    return _with_offset(inputs, offset, plain, rest) if rest < limit else (inputs, ())
+    return NOTHING if windows is None else windows.fit(pair)
+
+
+def _refuse(gains: dict[_Candidate, float], besides: str = "") -> NoReturn:
+    """Raise a ValueError with the candidate of the largest gain, and those that are not told apart from it."""
+    first, *others = (one for one, gain in gains.items() if gain > max(gains.values()) - TIED)
+    tied = f"; as well explained by {', or by '.join(one.found for one in others)}" if others else ""
+    raise ValueError(f"{first.expected}; found {first.found}{besides}{tied}")
+
+
+def _refuse_both(candidates: list[_Candidate], windows: DriveWindows, limit: float) -> None:
+    """Raise a ValueError where a candidate and a time offset together explain what neither does."""
+    few = replace(windows, times=windows.times[:FEW])
+    found = {one: _time_offset(one.change(), few) for one in candidates}
+    best = min(found, key=lambda one: found[one][1].spread, default=None)
+    if best is None:
+        return
+    offset, pair = found[best][0], best.change()
+    if _fit(replace(pair, time=pair.time + offset)).unexplained < limit:
+        _refuse({best: 0.0}, f", and stamps of the fixes that are {_late(offset)}")
 
 
 def with_mounting(inputs: DriveInputs) -> tuple[DriveInputs, tuple[Correction, ...]]:
@@ -145,7 +218,7 @@ def mounting_of(inputs: DriveInputs) -> float | None:
     """Return the angle of the device right of the course, if it is large and the same in all windows [rad]."""
     pair = velocity_pair(inputs)
     windows = windows_of(pair)
-    if windows is None or windows.unexplained(pair) > EXPLAINED:
+    if windows is None or windows.fit(pair).unexplained > EXPLAINED:
         return None
     angles = []
     for at in windows.times:
@@ -174,11 +247,12 @@ def _check_gravity(inputs: DriveInputs) -> None:
 
 
 def _candidates(inputs: DriveInputs, pair: VelocityPair) -> list[_Candidate]:
-    """Return the errors of units, signs and orders that are tried."""
+    """Return the errors that are tried; of those that are not told apart the first is named."""
+    return [*_of_fixes(inputs, pair), *_of_samples(pair)]
 
-    def samples(rates: float | np.ndarray = 1.0, forces: float | np.ndarray = 1.0) -> Callable[[], VelocityPair]:
-        factors = np.concatenate([np.broadcast_to(rates, 3), np.broadcast_to(forces, 3)])
-        return lambda: replace(pair, samples=pair.samples * factors)
+
+def _of_fixes(inputs: DriveInputs, pair: VelocityPair) -> list[_Candidate]:
+    """Return errors of the columns of the fixes."""
 
     def exchanged() -> VelocityPair:
         return replace(pair, velocity=pair.velocity[:, [1, 0, 2]], std=pair.std[:, [1, 0, 2]])
@@ -187,57 +261,116 @@ def _candidates(inputs: DriveInputs, pair: VelocityPair) -> list[_Candidate]:
         fixes = inputs.fixes.assign(latitude=latitude, longitude=longitude)
         return lambda: velocity_pair(replace(inputs, fixes=fixes, ellipsoid=middle(fixes)))
 
-    names, flip = ", ".join(GYRO), 1 - 2 * np.eye(3)
-    found = [
-        _Candidate(samples(rates=np.radians(1)), f"drive: expected {names} in rad/s; found rates 57.3 times those of "
-                   "the turns of the fixes, as in deg/s (convert them)"),
-        _Candidate(samples(rates=np.degrees(1)), f"drive: expected {names} in rad/s; found rates 57.3 times too small "
-                   "for the turns of the fixes (converted twice?)"),
-        _Candidate(samples(rates=-1.0), f"drive: expected {names} right-handed about the axes of the accelerometers; "
-                   "found the opposite sign of the turns of the fixes"),
-        *(_Candidate(samples(rates=flip[k]), f"drive: expected a right-handed {name}; found the opposite sign of the "
-                     "turns of the fixes") for k, name in enumerate(GYRO)),
-        *(_Candidate(samples(forces=flip[k]), f"drive: expected {ACCEL[k]} along the axis of {GYRO[k]}; found the "
-                     "opposite sign of the changes of velocity of the fixes") for k in range(2)),
-    ]  # fmt: skip
-    order = "in this order; found a motion that turns against the device: the two are exchanged"
+    order = "a motion that turns against the device: the two are exchanged, or one has the opposite sign"
     if "vel_n" in inputs.fixes:
-        return [*found, _Candidate(exchanged, f"fixes: expected vel_n, vel_e {order}")]
+        return [_Candidate(exchanged, "fixes: expected vel_n, vel_e in this order", order)]
     latitude, longitude = inputs.fixes["latitude"], inputs.fixes["longitude"]
+    found = [_Candidate(places(latitude, -longitude), "fixes: expected latitude, longitude in this order", order)]
     if longitude.abs().max() < np.pi / 2:
-        found.append(_Candidate(places(longitude, latitude), f"fixes: expected latitude, longitude {order}"))
+        found.append(replace(found[0], change=places(longitude, latitude)))
     if latitude.abs().max() < np.radians(np.pi / 2):
-        found.append(_Candidate(places(np.degrees(latitude), np.degrees(longitude)), "fixes: expected latitude and "
-                              "longitude in degrees; found a motion 57.3 times smaller than that of the device, as in "
-                              "radians"))  # fmt: skip
+        found.append(_Candidate(
+            places(np.degrees(latitude), np.degrees(longitude)), "fixes: expected latitude and longitude in degrees",
+            "a motion 57.3 times smaller than that of the device, as in radians",
+        ))  # fmt: skip
     return found
 
 
-def _time_offset(pair: VelocityPair, windows: DriveWindows) -> tuple[float, float]:
-    """Return what to add to the times of the fixes so that most is explained [s], and the unexplained share then."""
+def _of_samples(pair: VelocityPair) -> list[_Candidate]:
+    """Return errors of the samples of the device."""
 
-    def rest(offset: float, noise: bool = False) -> float:
+    def scaled(rates: float | np.ndarray = 1.0, forces: float | np.ndarray = 1.0) -> Callable[[], VelocityPair]:
+        factors = np.concatenate([np.broadcast_to(rates, 3), np.broadcast_to(forces, 3)])
+        return lambda: replace(pair, samples=pair.samples * factors)
+
+    def ordered(*columns: int) -> Callable[[], VelocityPair]:
+        return lambda: replace(pair, samples=pair.samples[:, columns])
+
+    def stamped(factor: float) -> Callable[[], VelocityPair]:
+        return lambda: replace(pair, stamp=pair.stamp[0] + factor * (pair.stamp - pair.stamp[0]))
+
+    unit, side = f"drive: expected {', '.join(GYRO)} in rad/s", 1 - 2 * np.eye(3)
+    turned = "of the opposite sign of the turns of the fixes"
+    columns = "drive: expected gyroscopes and accelerometers along the same axes, x, y, z"
+    orders = {(1, 0, 2): "gyro_x and gyro_y exchanged", (2, 1, 0): "gyro_x and gyro_z exchanged",
+              (0, 2, 1): "gyro_y and gyro_z exchanged", (1, 2, 0): "the columns of gyro_x, gyro_y, gyro_z in turn",
+              (2, 0, 1): "the columns of gyro_x, gyro_y, gyro_z in turn"}  # fmt: skip
+    stamps = "drive: expected stamps of the samples that go as fast as those of the fixes (--rate, --time-unit)"
+    return [
+        _Candidate(scaled(rates=np.radians(1)), unit, "rates 57.3 times those of the turns of the fixes, as in deg/s "
+                   "(convert them)"),
+        _Candidate(scaled(rates=np.degrees(1)), unit, "rates 57.3 times too small for the turns of the fixes "
+                   "(converted twice?)"),
+        _Candidate(scaled(rates=0.5), unit, "rates of twice the turns of the fixes (a wrong full scale?)"),
+        _Candidate(scaled(rates=2.0), unit, "rates of half the turns of the fixes (a wrong full scale?)"),
+        _Candidate(stamped(2.0), stamps, "an interval of half that (the rate is half the stated one)"),
+        _Candidate(stamped(0.5), stamps, "an interval of twice that (the rate is twice the stated one)"),
+        _Candidate(scaled(rates=-1.0), f"drive: expected {', '.join(GYRO)} right-handed about the axes of the "
+                   "accelerometers", f"all three {turned}"),
+        *(_Candidate(scaled(rates=side[k]), f"drive: expected a right-handed {name}", f"{name} {turned}")
+          for k, name in enumerate(GYRO)),
+        *(_Candidate(scaled(forces=side[k]), f"drive: expected {ACCEL[k]} along the axis of {GYRO[k]}",
+                     f"{ACCEL[k]} of the opposite sign of the changes of velocity of the fixes") for k in range(2)),
+        *(_Candidate(ordered(*order, 3, 4, 5), columns, words) for order, words in orders.items()),
+        _Candidate(ordered(0, 1, 2, 4, 3, 5), columns, "accel_x and accel_y exchanged"),
+        _Candidate(scaled(side[1], side[1]), "drive: expected right-handed axes of the device", "left-handed ones: x "
+                   "and y are exchanged, or one of them has the opposite sign, of gyroscopes and accelerometers"),
+    ]  # fmt: skip
+
+
+def _time_offset(pair: VelocityPair, windows: DriveWindows) -> tuple[float, MotionFit]:
+    """Return what to add to the times of the fixes so that most is explained [s], and the fit then."""
+
+    def fit(offset: float) -> MotionFit:
         """Move the windows with the fixes, so that the same changes of velocity are explained."""
         own = replace(windows, times=tuple(at + offset for at in windows.times))
-        return own.unexplained(replace(pair, time=pair.time + offset), noise)
+        return own.fit(replace(pair, time=pair.time + offset))
 
     best, reach = 0.0, LONGEST_OFFSET_S
     for step in (COARSE_S, *FINE_S):
         tried = best + step * np.arange(-round(reach / step), round(reach / step) + 1)
-        values = np.array([rest(one) for one in tried])
+        values = np.array([fit(one).spread for one in tried])
         best, reach = float(tried[int(np.argmin(values))]), step
-    return best, rest(best, True)
+    return best, fit(best)
 
 
 def _with_offset(
-    inputs: DriveInputs, offset: float, plain: float, rest: float
+    inputs: DriveInputs, offset: float, plain: MotionFit, late: MotionFit
 ) -> tuple[DriveInputs, tuple[Correction, ...]]:  # fmt: skip
     """Compensate a gross time offset."""
+    steady = _steadied(inputs, offset)
+    if steady is not None:
+        return steady, (clock_correction(steady, inputs),)
     whole = inputs.assumptions.time_offset_s + offset
-    scales = (f", as of {name}" for leap, name in LEAP_S.items() if abs(abs(offset) - leap) < NEAR_LEAP_S)
     found = (
-        f"the stamps of the fixes are {abs(offset):.2f} s {'late' if offset < 0 else 'early'}{next(scales, '')}: "
-        f"the samples leave {plain:.0%} of their changes of velocity unexplained, and {rest:.0%} with the offset"
+        f"the stamps of the fixes are {_late(offset)}: the samples leave {plain.unexplained:.0%} of their changes of "
+        f"velocity unexplained, and {late.unexplained:.0%} with the offset"
     )
     corrected = replace(inputs, assumptions=replace(inputs.assumptions, time_offset_s=whole))
     return corrected, (Correction("time offset", found, f"time_offset: {{offset_s: {whole:.3g}}}"),)
+
+
+def _steadied(inputs: DriveInputs, offset: float) -> DriveInputs | None:
+    """Return the inputs with the clock compensated that the offsets of single windows show; None for a steady one."""
+    moved = with_clock(inputs, 0.0, offset)
+    tried, windows = moved, windows_of(velocity_pair(moved))
+    if windows is None or len(windows.times) < WINDOWS:
+        return None
+    for reach, step in DRIFTS_S:
+        pair, own = velocity_pair(tried), []
+        for at in windows_of(pair).times:
+            steps = step * np.arange(-round(reach / step), round(reach / step) + 1)
+            spread = [DriveWindows((at + one,), windows.span).fit(replace(pair, time=pair.time + one)).spread
+                      for one in steps]  # fmt: skip
+            own.append((at, float(steps[int(np.argmin(spread))])))
+        slope, at_zero = theilslopes(*np.array(own)[:, ::-1].T)[:2]
+        tried = with_drift(tried, float(slope), float(at_zero + slope * pair.stamp[0]))
+    plain, fit = (_fit(velocity_pair(one)) for one in (moved, tried))
+    better = fit.unexplained < BETTER * plain.unexplained and fit.gain(plain) > SURE
+    return tried if better else None
+
+
+def _late(offset: float) -> str:
+    """Return in words how late stamps are to which ``offset`` has to be added [s]."""
+    scales = (f", as of {name}" for leap, name in LEAP_S.items() if abs(abs(offset) - leap) < NEAR_LEAP_S)
+    return f"{abs(offset):.2f} s {'late' if offset < 0 else 'early'}{next(scales, '')}"

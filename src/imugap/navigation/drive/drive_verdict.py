@@ -6,6 +6,9 @@ Smoother
     Smoother less filter has the covariance of the filter less that of the smoother.
 Outage test
     The fixes of some stretches are withheld; the prediction at their end errs by as much as it states.
+Offsets
+    An offset of the positions that the filter opened closes again. One that never does is a contradiction, even where
+    the filter gives up the path for the fixes after some time: either side may be the wrong one.
 
 What is stated too small is multiplied by what the tests find: a solution does not state less than it is wrong by.
 
@@ -21,7 +24,7 @@ from scipy.special import chdtri
 from imugap.filters.innovation_gate import CLOSED, OPENED, RESET, SEPARATED, QualityControl
 from imugap.io.gnss import PLACE_STD, VELOCITY_STD
 from imugap.navigation.drive.correction import Correction
-from imugap.navigation.drive.drive_error_search import FAILING, LARGEST_NIS, InnovationFit, deviations, solve
+from imugap.navigation.drive.drive_error_search import FAILING, LARGEST_NIS, InnovationFit, deviations, off_path, solve
 from imugap.navigation.drive.vehicle import DriveInputs, DriveSolution
 
 OUTAGE_S, OUTAGES, SETTLING_S = 15.0, 4, 45.0
@@ -39,6 +42,23 @@ SMALLEST_SHARE = 0.05
 
 
 @dataclass(frozen=True)
+class Beside:
+    """Time in which the path lies beside the fixes: ``begin``, ``end`` [s], inf for the end; and ``by`` how far [m]."""
+
+    begin: float
+    end: float
+    by: float
+
+    def __str__(self) -> str:
+        """Return it in words."""
+        end = "the end" if self.end == np.inf else f"{self.end:.10g} s"
+        return (
+            f"from {self.begin:.10g} s to {end} the path lies beside the fixes, by {self.by:.2g} m: these are off, or "
+            "earlier ones drew it away"
+        )
+
+
+@dataclass(frozen=True)
 class DriveVerdict:
     """Verdict on a drive.
 
@@ -53,8 +73,8 @@ class DriveVerdict:
         degrees of freedom; NaN where there are none.
     outage_limit
         Limit of the outage test.
-    offset_since
-        Time from which on to the end the positions of the fixes are taken to be off by an offset [s]; None if not.
+    beside
+        Times in which the positions of the fixes are taken to be off by an offset that never closes.
     """
 
     corrections: tuple[Correction, ...]
@@ -62,12 +82,17 @@ class DriveVerdict:
     smoother: float
     outage: float
     outage_limit: float
-    offset_since: float | None = None
+    beside: tuple[Beside, ...] = ()
+
+    @property
+    def offset_since(self) -> float | None:
+        """Time from which on to the end the positions of the fixes are taken to be off by an offset [s], or None."""
+        return next((one.begin for one in self.beside if one.end == np.inf), None)
 
     @property
     def reasons(self) -> list[str]:
         """What does not agree, in words."""
-        found = []
+        found = [one.found for one in self.corrections if not one.explains]
         if self.fit.failing >= FAILING:
             found.append(f"{self.fit.failing:.0%} of the fixes fail the test of the innovations")
         if self.fit.nis >= LARGEST_NIS:
@@ -81,7 +106,7 @@ class DriveVerdict:
     @property
     def agrees(self) -> bool:
         """Whether everything agrees as it was given."""
-        return not self.corrections and not self.reasons and self.offset_since is None
+        return not self.corrections and not self.reasons and not self.beside
 
     @property
     def factor(self) -> float:
@@ -92,17 +117,17 @@ class DriveVerdict:
 
     def __str__(self) -> str:
         """Return the verdict in words."""
-        parts = [str(one) for one in self.corrections]
+        parts = [str(one) for one in self.corrections if one.explains]
         if self.reasons:
+            larger = f", and the stated deviations are multiplied by {self.factor:.2g}" if self.factor > 1 else ""
             parts.append(f"device and fixes do not agree: {'; '.join(self.reasons)}; nothing that was tried corrects "
-                         f"it, and the stated deviations are multiplied by {self.factor:.2g}")  # fmt: skip
+                         f"it{larger}")  # fmt: skip
         else:
-            until = "" if self.offset_since is None else f" until {self.offset_since:.10g} s"
+            apart = " otherwise" if self.beside else ""
+            until = apart if self.offset_since is None else f" until {self.offset_since:.10g} s"
             then = " then" if self.corrections else ""
             parts.append(f"device and fixes agree{then}{until}{self._exceptions()}")
-        if self.offset_since is not None:
-            parts.append(f"from {self.offset_since:.10g} s to the end the path lies beside the fixes: these "
-                         "are off, or earlier ones drew it away")  # fmt: skip
+        parts += [str(one) for one in self.beside]
         return ". ".join(one[0].upper() + one[1:] for one in parts) + "."
 
     def _exceptions(self) -> str:
@@ -117,14 +142,26 @@ def judge(
     """Judge the solutions of a drive."""
     outage, limit = outage_test(inputs)
     smoother = smoother_test(filtered, smoothed)
-    return DriveVerdict(corrections, InnovationFit.of(filtered), smoother, outage, limit, _offset_since(filtered))
+    return DriveVerdict(
+        corrections, InnovationFit.of(filtered), smoother, outage, limit, _beside(inputs, filtered, smoothed)
+    )
 
 
-def _offset_since(solution: DriveSolution) -> float | None:
-    """Return the time at which an offset was opened that neither closes nor ends in a reset [s]."""
-    events = solution.events
-    last = events[events["event"].isin((OPENED, SEPARATED, CLOSED, RESET))].tail(1)
-    return next((float(one.time) for one in last.itertuples() if one.event in (OPENED, SEPARATED)), None)
+def _beside(inputs: DriveInputs, filtered: DriveSolution, smoothed: DriveSolution) -> tuple[Beside, ...]:
+    """Return when an offset was open that never closed, but ended in a reset or at the end."""
+    events, begin, found = filtered.events, None, []
+    for one in events[events["event"].isin((OPENED, SEPARATED, CLOSED, RESET))].itertuples():
+        if one.event in (OPENED, SEPARATED):
+            begin = one.time if begin is None else begin
+        elif begin is not None:
+            if one.event == RESET:
+                found.append((float(begin), float(one.time)))
+            begin = None
+    if begin is not None:
+        found.append((float(begin), np.inf))
+    off = np.linalg.norm(off_path(inputs, smoothed), axis=1)
+    inside = [(smoothed.fix_time >= begin) & (smoothed.fix_time <= end) for begin, end in found]
+    return tuple(Beside(*one, float(np.median(off[rows]))) for one, rows in zip(found, inside, strict=True))
 
 
 def smoother_test(filtered: DriveSolution, smoothed: DriveSolution) -> float:

@@ -1,10 +1,11 @@
 """Screening of the fixes before a filter uses them: by themselves, without the device.
 
 Left out are fixes from which the rest of the drive is out of reach, at the start or far away, as a receiver writes them
-before it has a lock, and fixes that repeat the place of the one before, digit by digit, in motion. Velocities are
-compared with the displacements: over spans of some seconds the displacement is the integral of the velocity. A unit or
-an order of columns that explains the difference is refused with its name; velocities that contradict the positions in
-another way are left out.
+before it has a lock, fixes that repeat the place of the one before in motion, fixes that were interpolated between
+others, and a vertical velocity that never changes. Velocities are compared with the displacements: over spans of some
+seconds the displacement is the integral of the velocity. A unit, a sign or an order of columns that explains the
+difference is refused with its name; velocities that are late against the positions are moved; those that contradict
+them in another way are left out.
 """
 
 from itertools import pairwise
@@ -12,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from scipy.ndimage import maximum_filter1d
 
 from imugap.io import gnss
 from imugap.io.gnss import PLACE, VELOCITY_STD
@@ -32,16 +34,26 @@ RESOLUTION_M = 0.05
 """Displacement that no receiver rounds to zero [m]."""
 AROUND_S = 2.0
 """Time before and after a fix from which its speed is taken where it has no velocity [s]."""
-SPAN_S = 4.0
-"""Time over which velocities are compared with displacements [s]."""
+HELD_SHARE, HELD = 0.01, 0.3
+"""Step from fix to fix, over the largest one around it, up to which a place in motion is that of the one before, where
+more than a share of them is."""
+ON_LINE, INTERPOLATED = 0.05, 0.4
+"""Distance of a fix from the middle of its neighbours, over the largest ones, up to which it is on their line, and
+share of such fixes in motion from which on they are interpolated."""
+SPAN_S, LONG_SPAN_S = 4.0, 40.0
+"""Times over which velocities are compared with displacements [s]; the noise of heights needs the longer one too."""
 FEWEST_SPANS = 8
 """Smallest number of spans in motion."""
 NOISE_MULTIPLE = 8.0
 """Displacement of a span that a comparison needs, in standard deviations of a position."""
 FITS, CONTRADICTS = 0.1, 0.2
 """Unexplained shares of the displacements up to which velocities fit, and from which on they contradict."""
-UP_SIGMA = 6.0
-"""Significance of a vertical velocity of the opposite sign, in standard deviations."""
+UP_SIGMA, LATE_SIGMA = 6.0, 5.0
+"""Significance of a vertical velocity of the opposite sign, and of a delay, in standard deviations."""
+SIZE = 0.05
+"""Difference of displacements from those by velocities in another unit up to which it is named, as a share."""
+LATE_S = 0.05
+"""Smallest delay of velocities against positions that is named [s]."""
 UNITS = {
     "km/h": 1 / 3.6, "knots": 0.514444, "mph": 0.44704, "cm/s": 0.01, "mm/s": 0.001,
 }  # fmt: skip
@@ -64,7 +76,9 @@ def screen(
     ``position_std`` are standard deviations of a position where the log gives none [m].
     """
     corrections = []
-    for step in (_without_null_island, _without_unreachable, _without_repeats):
+    for step in (
+        _without_null_island, _without_unreachable, _without_repeats, _without_interpolated, _without_constant_down,
+    ):  # fmt: skip
         fixes, found = step(fixes)
         corrections += found
     fixes, found = _with_fitting_velocities(fixes, position_std)
@@ -142,19 +156,57 @@ def _without_unreachable(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Correc
 
 def _without_repeats(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Correction]]:
     """Leave out fixes that repeat the place of the one before, digit by digit, in motion."""
-    time, speed = fixes.index.to_numpy(dtype=float), _speeds(fixes, gnss.local(fixes, middle(fixes))[:, :3])
+    time, local = fixes.index.to_numpy(dtype=float), gnss.local(fixes, middle(fixes))[:, :3]
+    speed = _speeds(fixes, local)
     columns = [name for name in (*PLACE, *VELOCITY) if name in fixes]
     same = (fixes[columns].diff() == 0).to_numpy()
-    place, whole = same[:, : len(PLACE)].all(axis=1), same.all(axis=1)
+    whole = same.all(axis=1)
+    steps = np.hypot(*np.diff(local[:, :2], axis=0, prepend=local[:1, :2]).T)
+    width = 2 * round(AROUND_S / np.median(np.diff(time))) + 1
+    near = steps < HELD_SHARE * maximum_filter1d(steps, width)
     moved = np.diff(time, prepend=time[0]) * speed
-    moving = place & (speed > SLOWEST) & (moved > RESOLUTION_M)
+    able = (speed > SLOWEST) & (moved > RESOLUTION_M)
+    place = same[:, : len(PLACE)].all(axis=1) | (near & (near[able].mean() > HELD if able.any() else False))
+    moving = place & able
     if not moving.any():
         return fixes, []
     gone = moving | whole
     own = 1 / np.median(np.diff(time[~gone])) if (~gone).sum() > 1 else 0.0
     rates = f"a receiver at {own:.3g} Hz in a log at {1 / np.median(np.diff(time)):.3g} Hz"
-    found = f"{gone.sum()} of {len(time)} fixes repeat the one before, digit by digit, in motion: {rates}"
+    how = "digit by digit, in motion" if place[moving].all() and same[moving].all() else "in motion"
+    found = f"{gone.sum()} of {len(time)} fixes repeat the one before, {how}: {rates}"
     return fixes[~gone], [Correction("held fixes", found, "left out")]
+
+
+def _without_interpolated(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Correction]]:
+    """Leave out fixes on the line of their neighbours, where most are: those of a slower receiver, interpolated."""
+    place = gnss.local(fixes, middle(fixes))[:, :3]
+    bent = np.hypot(*(place[2:] - 2 * place[1:-1] + place[:-2])[:, :2].T)
+    moving = _speeds(fixes, place)[1:-1] > SLOWEST
+    if moving.sum() < FEWEST_SPANS:
+        return fixes, []
+    line = bent < ON_LINE * np.quantile(bent[moving], 0.98)
+    own = np.flatnonzero(moving & ~line)
+    if line[moving].mean() < INTERPOLATED or len(own) < FEWEST_SPANS or np.median(np.diff(own)) < 2:
+        return fixes, []
+    kept = np.r_[True, ~line, True]
+    rates = tuple(1 / np.median(np.diff(one.index)) for one in (fixes[kept], fixes))
+    found = (
+        f"{np.sum(~kept)} of {len(fixes)} fixes lie on the line of their neighbours: a receiver at {rates[0]:.3g} Hz, "
+        f"interpolated to {rates[1]:.3g} Hz"
+    )
+    return fixes[kept], [Correction("interpolated fixes", found, "left out")]
+
+
+def _without_constant_down(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Correction]]:
+    """Leave out a vertical velocity that is the same throughout a drive, as where a receiver measures none."""
+    name = VELOCITY[2]
+    if name not in fixes or fixes[name].nunique() != 1 or len(fixes) < FEWEST_SPANS:
+        return fixes, []
+    if not (_speeds(fixes, gnss.local(fixes, middle(fixes))[:, :3]) > SLOWEST).any():
+        return fixes, []
+    found = f"the vertical velocity of all fixes is {fixes[name].iloc[0] + 0.0:g} m/s, as where it is not measured"
+    return fixes.assign(**{name: np.nan}), [Correction("vertical velocity", found, "left out")]
 
 
 def _with_fitting_velocities(
@@ -164,7 +216,7 @@ def _with_fitting_velocities(
     if VELOCITY[0] not in fixes:
         return fixes, []
     ellipsoid = middle(fixes)
-    place, integral = _spans(fixes, ellipsoid)
+    place, integral, change = _spans(fixes, ellipsoid)
     std = float(np.median(gnss.deviations(fixes, position_std, (1.0,) * 3)[:, 0]))
     length = np.maximum(*(np.hypot(one[:, 0], one[:, 1]) for one in (place, integral)))
     moving = length > max(NOISE_MULTIPLE * std, 0.5 * np.sqrt(np.mean(length**2))) if len(length) else length > 0
@@ -178,7 +230,8 @@ def _with_fitting_velocities(
     plain = unexplained(np.eye(2))
     if plain > CONTRADICTS:
         best = min(_explanations(ellipsoid), key=lambda one: unexplained(one.mat))
-        if unexplained(best.mat) < min(FITS, plain / 3):
+        size = _slope(way @ best.mat.T, shift)[0]
+        if unexplained(best.mat) < min(FITS, plain / 3) and abs(size - 1) < SIZE:
             raise ValueError(f"fixes: expected {best.expected}; found {best.found}")
         found = f"the velocities of the fixes explain only {max(1 - plain, 0):.0%} of the displacements"
         names = [name for name in (*VELOCITY, *VELOCITY_STD) if name in fixes]
@@ -186,30 +239,50 @@ def _with_fitting_velocities(
             Correction("velocities that contradict positions", found, "velocities left out")
         ]
     _check_down(place[moving, 2], integral[moving, 2])
-    return fixes, []
+    _check_down(*(one[:, 2] for one in _spans(fixes, ellipsoid, LONG_SPAN_S)[:2]))
+    return _with_timely_velocities(fixes, *_slope(change[:, :2], place[:, :2] - integral[:, :2]))
+
+
+def _with_timely_velocities(fixes: pd.DataFrame, late: float, error: float) -> tuple[pd.DataFrame, list[Correction]]:
+    """Move velocities to the time of the positions that are ``late`` by a time with a standard error [s]."""
+    if not abs(late) > max(LATE_S, LATE_SIGMA * error):
+        return fixes, []
+    time = fixes.index.to_numpy(dtype=float)
+    known = fixes[np.isfinite(fixes[list(VELOCITY[:2])]).all(axis=1)]
+    moved = {name: np.interp(time + late, known.index, known[name]) for name in VELOCITY}
+    found = f"the velocities of the fixes are {abs(late):.2f} s {'late' if late > 0 else 'early'} against the positions"
+    return fixes.assign(**moved), [Correction("delay of velocities", found, "velocities moved in time")]
+
+
+def _slope(cause: np.ndarray, effect: np.ndarray) -> tuple[float, float]:
+    """Return the factor by which a cause gives an effect, and its standard error by the scatter."""
+    power = max(float(np.sum(cause**2)), 1e-12)
+    slope = float(np.sum(effect * cause)) / power
+    return slope, float(np.sqrt(np.sum((cause * (effect - slope * cause)) ** 2))) / power
 
 
 def _check_down(shift: np.ndarray, way: np.ndarray) -> None:
     """Raise a ValueError where the vertical velocity has the opposite sign of the displacements."""
-    slope = np.sum(shift * way) / max(np.sum(way**2), 1e-12)
-    error = np.sqrt(np.sum((way * (shift - slope * way)) ** 2)) / max(np.sum(way**2), 1e-12)
+    slope, error = _slope(way, shift)
     if slope < -UP_SIGMA * error and -1.5 < slope < -0.5:
         raise ValueError("fixes: expected vel_d positive down; found a height that rises with it (change its sign)")
 
 
-def _spans(fixes: pd.DataFrame, ellipsoid: Ellipsoid) -> tuple[np.ndarray, np.ndarray]:
-    """Return displacements, and integrals of the velocity, over spans without a gap, shape (spans, 3) [m]."""
-    known = fixes[np.isfinite(fixes[list(VELOCITY)]).all(axis=1)]
+def _spans(
+    fixes: pd.DataFrame, ellipsoid: Ellipsoid, span_s: float = SPAN_S
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return displacements, integrals and changes of the velocity over spans without a gap, shape (spans, 3) [m]."""
+    known = fixes[np.isfinite(fixes[list(VELOCITY[:2])]).all(axis=1)]
     time, seen = known.index.to_numpy(dtype=float), gnss.local(known, ellipsoid)
     if len(time) < FEWEST_SPANS:
-        return np.empty((0, 3)), np.empty((0, 3))
+        return (np.empty((0, 3)),) * 3
     steps = np.diff(time)
     way = np.vstack([np.zeros(3), np.cumsum(0.5 * steps[:, None] * (seen[1:, 3:] + seen[:-1, 3:]), axis=0)])
     holes = np.append(0, np.cumsum(steps > 2.5 * np.median(steps)))
-    begin = np.arange(len(time))[:: max(round(SPAN_S / np.median(steps)), 1)]
+    begin = np.arange(len(time))[:: max(round(span_s / np.median(steps)), 1)]
     first, last = begin[:-1], begin[1:]
     whole = holes[first] == holes[last]
-    return tuple(one[last[whole]] - one[first[whole]] for one in (seen[:, :3], way))
+    return tuple(one[last[whole]] - one[first[whole]] for one in (seen[:, :3], way, seen[:, 3:]))
 
 
 def _explanations(ellipsoid: Ellipsoid) -> list[_Explanation]:
@@ -219,14 +292,22 @@ def _explanations(ellipsoid: Ellipsoid) -> list[_Explanation]:
         _Explanation(size * np.eye(2), "vel_n, vel_e, vel_d in m/s", f"{1 / size:.3g} times that, as in {unit}")
         for unit, size in UNITS.items()
     ]
+    degrees = min(np.degrees(abs(ellipsoid.latitude)), 1.5)
+    radians = np.radians(1) * np.diag([1.0, np.cos(ellipsoid.latitude) / np.cos(degrees)])
     exchanged = np.array([[0.0, 1 / np.cos(ellipsoid.longitude)], [np.cos(ellipsoid.latitude), 0.0]])
     return [
         *found,
-        _Explanation(np.radians(1) * np.eye(2), "latitude and longitude in degrees",
+        _Explanation(radians, "latitude and longitude in degrees",
                      "displacements 57.3 times smaller than by the velocities, as in radians"),
         _Explanation(exchanged, "latitude and longitude in this order",
                      "displacements to the east where the velocities go north: the two are exchanged"),
         _Explanation(order, "vel_n and vel_e in this order",
                      "velocities to the east where the displacements go north: the two are exchanged"),
         _Explanation(-np.eye(2), "vel_n and vel_e of the vehicle", "velocities opposite to the displacements"),
+        _Explanation(np.diag([1.0, -1.0]), "longitude and vel_e positive to the east",
+                     "displacements to the west where the velocities go east: one of the two has the opposite sign"),
+        _Explanation(np.diag([-1.0, 1.0]), "latitude and vel_n positive to the north",
+                     "displacements to the south where the velocities go north: one of the two has the opposite sign"),
+        _Explanation(0.6 * np.eye(2), "latitude and longitude in decimal degrees",
+                     "displacements 0.6 times those by the velocities, as where minutes are written as decimals"),
     ]  # fmt: skip

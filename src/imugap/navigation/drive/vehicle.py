@@ -112,6 +112,8 @@ class DriveAssumptions:
         Time of the log minus stamp of the fix [s].
     time_offset_std
         Its standard deviation [s]; 0: not a state.
+    clock_rate
+        By which share the intervals of the samples were made longer, for a clock slower than that of the fixes.
     scale_std
         Standard deviations of the scale factors of gyroscopes and accelerometers; 0: not a state.
     scale_s
@@ -137,6 +139,7 @@ class DriveAssumptions:
     lever_std: float = 0.0
     time_offset_s: float = 0.0
     time_offset_std: float = 0.0
+    clock_rate: float = 0.0
     scale_std: tuple[float, float] = (2e-3, 2e-3)
     scale_s: float = np.inf
     position_std: tuple[float, float, float] = (1.5, 1.5, 3.0)

@@ -4,7 +4,8 @@ A receiver does not observe the heading of a body at rest. The filter starts at 
 displacement from earlier fixes, gives the course accurately enough; the vehicle points along it, unless velocity
 matching (:mod:`imugap.navigation.drive.velocity_matching`) says that it does not. If it rests until then, the mean
 specific force gives the level and the gyroscopes their biases, and the gyroscopes carry the level to the start. If
-not, it is levelled by the specific force around the start, less the acceleration from the fixes.
+not, it is levelled by the specific force around the start, less the acceleration from the fixes. Fixes with noise show
+the end of a rest late; it ends where the samples do, too.
 
 Position and velocity at the start are those of the antenna, less the lever arm, at the time of a fix: their errors are
 correlated with those of attitude, lever arm and time offset.
@@ -20,6 +21,7 @@ from scipy.spatial.transform import Rotation
 from imugap.filters.alignment import biases_from_rest, level_sensitivity
 from imugap.filters.error_state import ATTITUDE, NAVIGATION, VELOCITY
 from imugap.filters.sensor_states import SensorStates
+from imugap.integrity.rest import departure
 from imugap.io import gnss
 from imugap.kinematics import earth
 from imugap.kinematics.strapdown import Ellipsoid, Local, NavigationState, level, navigate
@@ -80,7 +82,7 @@ def align(inputs: DriveInputs) -> InitialState:
     number, matched = _start(velocity_pair(inputs), time, able, settings)
     heading = _heading(gyro[number], lever, velocity[number])
     heading_std = float(spread[number, :2].max() / np.hypot(*velocity[number, :2]))
-    rest = _rest(time, velocity, spread, stamp, number, settings)
+    rest = _rest(time, velocity, spread, log, number, settings)
     size = NAVIGATION + len(states) + len(assumptions.constants())
     covariance = np.zeros((size, size))
     covariance[range(NAVIGATION, size), range(NAVIGATION, size)] = [
@@ -228,16 +230,17 @@ def _rest(
     time: np.ndarray,
     velocity: np.ndarray,
     spread: np.ndarray,
-    stamp: np.ndarray,
+    log: pd.DataFrame,
     number: int,
     settings: AlignmentSettings,
 ) -> tuple[float, float] | None:  # fmt: skip
     """Return begin and end of the rest before the start [s], or None if too short."""
-    speed = np.hypot(velocity[:, 0], velocity[:, 1])
+    stamp, speed = log.index.to_numpy(dtype=float), np.hypot(velocity[:, 0], velocity[:, 1])
     limit = np.maximum(settings.speed, 3 * np.where(np.isfinite(spread), spread, 0).max(axis=1))
     known = time >= stamp[0]
     quick = np.flatnonzero(known & (speed > limit))
-    end = (time[quick[0]] if len(quick) else time[number]) - settings.margin_s
+    end = time[quick[0]] if len(quick) else time[number]
+    end = min(end, departure(log[stamp <= end])) - settings.margin_s
     first = time[known][0] if known.any() else np.inf
     return (stamp[0], end) if end - max(stamp[0], first) >= settings.rest_s else None
 

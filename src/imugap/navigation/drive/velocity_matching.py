@@ -47,6 +47,8 @@ class MatchedAttitude(NamedTuple):
         Root mean square of the residuals over the expected one.
     residual, change
         Sums of squares of the residuals, and of the changes of velocity [m^2/s^2].
+    freedom
+        Degrees of freedom of the residuals.
     """
 
     rotation: Rotation
@@ -54,6 +56,7 @@ class MatchedAttitude(NamedTuple):
     misfit: float
     residual: float
     change: float
+    freedom: int
 
     @property
     def heading(self) -> float:
@@ -114,9 +117,10 @@ class VelocityPair:
             step = np.linalg.solve(normal, rows.T @ (seen - turned).ravel() - prior @ [0.0, 0.0, 0.0, *bias])
             rotation, bias = Rotation.from_rotvec(step[:3]) * rotation, bias + step[3:]
         residual = float(np.sum((seen - rotation.apply(pushed + by_bias @ bias)) ** 2))
-        misfit = float(np.sqrt(residual / (3 * len(seen) - 3)) / noise)
+        freedom = 3 * len(seen) - 3
+        misfit = float(np.sqrt(residual / freedom) / noise)
         covariance = np.linalg.inv(normal)[:3, :3] * (noise * max(misfit, 1.0)) ** 2
-        return MatchedAttitude(rotation, covariance, misfit, residual, float(np.sum(change**2)))
+        return MatchedAttitude(rotation, covariance, misfit, residual, float(np.sum(change**2)), freedom)
 
     def chosen(self, at: float, span: float = SPAN_S) -> list[int]:
         """Return the numbers of the fixes around a time that have a velocity and are at least ``span`` apart."""
