@@ -28,6 +28,8 @@ SEED = 141
 RUNS = 40
 OUTAGE = (150.0, 200.0)
 """In motion, with turns; the vehicle does not halt."""
+OUTAGES = [(begin, begin + 50.0) for begin in (60.0, 120.0, 180.0, 240.0)]
+"""On different parts of the way: the slip is the same in all runs of one part."""
 AXLE = (-1.3, 0.2, 0.4)
 
 
@@ -152,9 +154,10 @@ def pairs(lap, assumptions, rolling):
     """Drives with an outage, without wheels and with: errors and deviations at its end, NEES at fixes, NIS."""
     found = {"plain": [], "rolling": []}
     for run in range(RUNS):
+        outage = OUTAGES[run % len(OUTAGES)]
         for name, given in (("plain", assumptions), ("rolling", rolling)):
-            one = drive(lap, given, run)
-            row = int(np.searchsorted(one.time, OUTAGE[1]))
+            one = drive(lap, given, run, outage=outage)
+            row = int(np.searchsorted(one.time, outage[1]))
             off, fixes = navigation_error(lap, one, [row])[0], one.fix_row[60::25]
             some, told = navigation_error(lap, one, fixes), one.covariances[60::25, :NAVIGATION, :NAVIGATION]
             nees = np.einsum("ni,ni->n", some, np.linalg.solve(told, some[..., None])[..., 0])
