@@ -18,6 +18,7 @@ from imugap.discovery.checks import (
     add_power_law,
     explained_by_bands,
     misfits,
+    shape_log_p,
     tested,
 )
 from imugap.discovery.checks.motion import all_against_motion, motion_gain
@@ -269,7 +270,7 @@ def _search(
     if all_against_motion(search, found).log_p < MAX_LOG_P:
         return _SearchEnd(search, found, taken, switched, odd=True)
     found = simplified(search, steady(search, told_apart(search, found)))
-    bands = wandering_lines.find_bands(found) if len(taken) < MAX_BANDS else ()
+    bands = _wandering(found) if len(taken) < MAX_BANDS else ()
     again = search.for_new_samples()
     if bands:
         cleared = wandering_lines.without_bands(before.sequence, bands)
@@ -288,7 +289,12 @@ def _unnamed_gain(search: Search, remove_lines: bool, fit: AxisFit) -> float:
     """
     if len(search.added(fit)) < MIN_ADDITIONS_FOR_UNNAMED:
         return -np.inf
-    return np.inf if remove_lines and wandering_lines.find_bands(fit) else motion_gain(search, fit)
+    return np.inf if remove_lines and _wandering(fit) else motion_gain(search, fit)
+
+
+def _wandering(fit: AxisFit) -> tuple[Band, ...]:
+    """Return the narrow bands in which several tones of a fit describe one wandering line."""
+    return wandering_lines.find_bands(fit, lambda index: shape_log_p(fit, index) > MAX_LOG_P)
 
 
 def conclude(searched: AxisSearch, withdrawn: Mapping[type[Effect], str] = MappingProxyType({})) -> AxisResult:
