@@ -195,7 +195,7 @@ def search_axis(
         ).without_cache()
         return AxisSearch(
             before,
-            _extend_changes(early.found, end),
+            _extend_changes(early.found, late.found.description.changes, end),
             early.search,
             late.found,
             late.search,
@@ -215,12 +215,17 @@ def _search_training(
     return before.without_cache(), _search(search, before).without_cache()
 
 
-def _extend_changes(found: AxisFit, end: float) -> AxisFit:
-    """Extend the changes of the variance that last to the end of the samples until ``end`` [s]."""
+def _extend_changes(found: AxisFit, whole: Sequence[Effect], end: float) -> AxisFit:
+    """Extend the changes of the variance that last to the end of the samples until ``end`` [s].
+
+    Where the ``whole`` log has a change of about the same begin, it tells the end, which the samples do not.
+    """
     description, last = found.description, found.sequence.conditions.time[-1]
     for index, effect in enumerate(description.effects()):
         if effect.role is Role.VARIANCE and effect.stop > last:
-            description = description.with_effect(index, replace(effect, stop=max(effect.stop, end)))
+            nearest = min(whole, key=lambda one, own=effect: abs(one.start - own.start), default=None)
+            stop = end if nearest is None else max(effect.stop, nearest.stop)
+            description = description.with_effect(index, replace(effect, stop=stop))
     return replace(found, description=description)
 
 
