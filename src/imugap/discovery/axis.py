@@ -18,6 +18,7 @@ from imugap.discovery.checks import (
     add_power_law,
     explained_by_bands,
     misfits,
+    shape_log_p,
     tested,
 )
 from imugap.discovery.checks.motion import all_against_motion, motion_gain
@@ -194,7 +195,7 @@ def search_axis(
         ).without_cache()
         return AxisSearch(
             before,
-            _extend_changes(early.found, end),
+            _extend_changes(early.found, late.found.description.changes, end),
             early.search,
             late.found,
             late.search,
@@ -214,12 +215,17 @@ def _search_training(
     return before.without_cache(), _search(search, before).without_cache()
 
 
-def _extend_changes(found: AxisFit, end: float) -> AxisFit:
-    """Extend the changes of the variance that last to the end of the samples until ``end`` [s]."""
+def _extend_changes(found: AxisFit, whole: Sequence[Effect], end: float) -> AxisFit:
+    """Extend the changes of the variance that last to the end of the samples until ``end`` [s].
+
+    Where the ``whole`` log has a change of about the same begin, it tells the end, which the samples do not.
+    """
     description, last = found.description, found.sequence.conditions.time[-1]
     for index, effect in enumerate(description.effects()):
         if effect.role is Role.VARIANCE and effect.stop > last:
-            description = description.with_effect(index, replace(effect, stop=max(effect.stop, end)))
+            nearest = min(whole, key=lambda one, own=effect: abs(one.start - own.start), default=None)
+            stop = end if nearest is None else max(effect.stop, nearest.stop)
+            description = description.with_effect(index, replace(effect, stop=stop))
     return replace(found, description=description)
 
 
@@ -269,7 +275,7 @@ def _search(
     if all_against_motion(search, found).log_p < MAX_LOG_P:
         return _SearchEnd(search, found, taken, switched, odd=True)
     found = simplified(search, steady(search, told_apart(search, found)))
-    bands = wandering_lines.find_bands(found) if len(taken) < MAX_BANDS else ()
+    bands = _wandering(found) if len(taken) < MAX_BANDS else ()
     again = search.for_new_samples()
     if bands:
         cleared = wandering_lines.without_bands(before.sequence, bands)
@@ -288,7 +294,12 @@ def _unnamed_gain(search: Search, remove_lines: bool, fit: AxisFit) -> float:
     """
     if len(search.added(fit)) < MIN_ADDITIONS_FOR_UNNAMED:
         return -np.inf
-    return np.inf if remove_lines and wandering_lines.find_bands(fit) else motion_gain(search, fit)
+    return np.inf if remove_lines and _wandering(fit) else motion_gain(search, fit)
+
+
+def _wandering(fit: AxisFit) -> tuple[Band, ...]:
+    """Return the narrow bands in which several tones of a fit describe one wandering line."""
+    return wandering_lines.find_bands(fit, lambda index: shape_log_p(fit, index) > MAX_LOG_P)
 
 
 def conclude(searched: AxisSearch, withdrawn: Mapping[type[Effect], str] = MappingProxyType({})) -> AxisResult:

@@ -396,6 +396,14 @@ def test_periodic_decaying_or_skewed_samples_are_not_named_outliers(added, reaso
     assert {misfit.reason for misfit in misfits(search, found).values()} == {reason}
 
 
+def test_outliers_on_one_side_are_the_tail_of_another_law():
+    def tail(time, rng):
+        return np.where(rng.random(len(time)) < 0.03, 0.02 * rng.standard_exponential(len(time)), 0.0)
+
+    assert reasons(sequence(added=tail), Outliers) == {"most of them go to one side"}
+    assert reasons(sequence(Outliers(0.03, 0.02)), Outliers) == set()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["standard_normal", "laplace", "uniform"])
 def test_outliers_of_any_distribution_keep_their_name(law):

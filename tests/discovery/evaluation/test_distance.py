@@ -12,6 +12,7 @@ from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import (
     Bias,
+    BiasStep,
     GaussMarkov,
     OutputFilter,
     RandomWalk,
@@ -84,6 +85,13 @@ def test_the_level_of_a_device_at_rest_and_its_biases_do_not_matter():
     one, other = distances(measured, 50.0, true, true), distances(measured + 5.0, 50.0, true, biased)
     for name in ("before", "after", "floor"):
         assert getattr(other, name).value == pytest.approx(getattr(one, name).value, rel=1e-6)
+
+
+@pytest.mark.parametrize("moved", [BiasStep(25.0, 6e-3), RateRamp(2e-4)])
+def test_the_place_of_a_level_on_a_coarse_lattice_is_that_without_the_terms_of_the_mean(moved):
+    true, measured = gyro(moved, Resolution(0.0127))
+    found = distances(measured, 50.0, model(axes=("gyro_x",)), true)
+    assert found.floor.low * 0.95 < found.after.value < found.floor.high * 1.05
 
 
 def test_motion_is_compared_with_its_reference():

@@ -4,7 +4,7 @@ from tests.discovery.simulated import COUNT, INTERVAL, behind, fitted, sequence
 
 from imugap.discovery.fit.axis_fit import jacobian
 from imugap.discovery.fit.description import Entry
-from imugap.effects import BiasStep, OutputFilter, Quantization, RateRamp, Sinusoid, WarmUp
+from imugap.effects import BiasStep, Outliers, OutputFilter, Quantization, RateRamp, Sinusoid, WarmUp
 
 
 def test_ramp_in_white_noise_is_that_of_least_squares():
@@ -43,3 +43,10 @@ def test_what_a_steep_filter_leaves_is_not_taken_for_noise(cutoff, order, count)
     plainly, grainy = fitted(output, smooth), fitted(output, Quantization(1e-7), smooth)
     assert grainy.log_likelihood - plainly.log_likelihood < 3
     assert plainly.description.noise.output_filter.cutoff == pytest.approx(cutoff, rel=0.03)
+
+
+def test_an_outlier_in_coloured_noise_is_one_sample():
+    data = sequence(Quantization(3e-4), Outliers(0.004, 0.06), label="coloured")
+    tails = fitted(data, Quantization(3e-4)).tails
+    assert tails.clustered > np.log(0.01)
+    assert 0.003 < tails.probability < 0.005

@@ -83,3 +83,13 @@ def test_loadings_and_density_of_common_noise():
     assert found.axes == sharing
     np.testing.assert_array_less(np.abs(found.densities - [5e-4, -4e-4, 3e-4]), 4 * found.errors)
     assert find_common_noise({axis: fitted(sequence(axis=axis, label="alone")) for axis in sharing}, LOG_ALPHA) == ()
+
+
+@pytest.mark.parametrize("loadings", [(1.0, 0.6), (0.5, -1.0)])
+def test_two_axes_leave_the_loadings_open(loadings):
+    pairs = zip(("gyro_x", "gyro_y"), loadings, strict=True)
+    data = {axis: sequence(CommonMode(1e-3, own), axis=axis, label="open") for axis, own in pairs}
+    (found,) = find_common_noise({axis: fitted(one) for axis, one in data.items()}, LOG_ALPHA)
+    told = found.finding("rad/s/sqrt(Hz)").parameters
+    assert told["density"].low < 1e-3 * loadings[0] < told["density"].high
+    assert told["loading_gyro_y"].low < loadings[1] / loadings[0] < told["loading_gyro_y"].high

@@ -202,7 +202,7 @@ class _Tempted(Search):
 
     gain = 0.0
 
-    def trials(self, before, bar, whole=None):
+    def trials(self, before, bar, whole=None, worth=-np.inf):
         yield Trial(RandomWalk(1e-5), before, self.gain, 1, 1.0)
 
 

@@ -11,6 +11,7 @@ from tests.discovery.simulated import (
     WHITE,
     names,
     result_of,
+    searched,
     sequence,
     told_of,
 )
@@ -107,3 +108,10 @@ def test_outliers_in_noise_that_is_not_white_have_their_size(beside, step):
     assert (before.cells is not None) == (step > 0)
     cleaned = Search(before.description, (), LOG_ALPHA).without_outliers(before)
     assert cleaned.effect.std == pytest.approx(np.sqrt(np.mean(outliers**2)), rel=0.06)
+
+
+def test_a_change_that_ends_with_the_training_part_does_not_go_on():
+    end = 0.8 * COUNT * INTERVAL
+    found = searched(sequence(VarianceChange(500.0, end, 1.7), label="ends"), VarianceChange)
+    (change,) = found.training_fit.description.changes
+    assert abs(change.stop - end) < 10.0

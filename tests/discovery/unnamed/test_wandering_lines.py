@@ -8,7 +8,7 @@ from tests.discovery.simulated import KINDS, LOG_ALPHA, explored, names, result_
 from imugap.discovery.fit.axis_fit import cosine_coefficients
 from imugap.discovery.unnamed import wandering_lines
 from imugap.discovery.unnamed.wandering_lines import Band
-from imugap.effects import BiasInstability, BiasStep, GaussMarkov, OutputFilter, Sinusoid
+from imugap.effects import BiasInstability, BiasStep, Chirp, GaussMarkov, OutputFilter, Sinusoid
 from imugap.stream import stream
 
 COUNT, INTERVAL = 12_000, 0.1
@@ -41,6 +41,11 @@ def test_a_wandering_line_is_found_as_one_band():
 def test_steady_lines_are_not_found_as_wandering(effects):
     _, found = explored(sequence(*effects), *KINDS)
     assert wandering_lines.find_bands(found) == ()
+
+
+def test_a_sweep_across_a_steady_line_is_no_wandering_line():
+    data = sequence(Chirp(1.0, 1e-4, 2e-3), Sinusoid(1.06, 2e-3, 1.0))
+    assert names(result_of(data, Chirp, Sinusoid)) == ["chirp", "sinusoid"]
 
 
 def test_coefficients_outside_of_a_band_are_unchanged():

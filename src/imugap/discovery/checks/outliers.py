@@ -2,7 +2,7 @@
 
 import numpy as np
 from scipy.special import ndtr
-from scipy.stats import ncx2
+from scipy.stats import binom, ncx2
 
 from imugap.discovery.checks.misfit import MAX_LOG_P, Misfit
 from imugap.discovery.checks.motion import outliers_against_motion
@@ -19,12 +19,15 @@ ITERATIONS, BINS = 40, 12
 MAX_PROBABILITY = 0.1
 """Maximum fraction of the samples for outliers; above it they are the tails of another distribution."""
 OTHER_LAW = "all samples are of another distribution"
+ONE_SIDED = "most of them go to one side"
+TOLERATED_SIDE = 2 / 3
+"""Tolerated share of the outliers on one side, as real ones have it."""
 TOLERATED_DEVIATION = 0.005
 """Tolerated squared relative deviation of the density of the core from the normal one, as real noise has it."""
 
 
 def outliers_misfit(candidate: Candidate) -> Misfit:
-    """Test whether outliers are rare, independent, uniform in time and unrelated to the motion, and the core normal.
+    """Test whether outliers are rare, independent, even in time and side, unrelated to the motion, and the core normal.
 
     Uniformity in time is not tested where the variance changes.
     """
@@ -34,12 +37,22 @@ def outliers_misfit(candidate: Candidate) -> Misfit:
         Misfit("they come in clusters", found.clustered),
         Misfit("they come with the motion", outliers_against_motion(fit, found.flagged)),
         Misfit("they come at a beat", found.beating),
+        Misfit(ONE_SIDED, _one_sided_log_p(candidate, found.flagged)),
         Misfit(OTHER_LAW, _core_normality_log_p(fit)),
         Misfit(OTHER_LAW, -np.inf if _law_explains(candidate) else 0.0),
     ]
     if not fit.description.changes:
         misfits.append(Misfit("they come at some times more often than at others", found.uneven))
     return min(misfits, key=lambda misfit: misfit.log_p)
+
+
+def _one_sided_log_p(candidate: Candidate, flagged: np.ndarray) -> float:
+    """Return the log-probability of so many outliers on one side (binomial, two-sided, tolerated)."""
+    fit = candidate.fit
+    raw = candidate.search.raw.get(candidate.effect, fit.sequence)
+    above = raw.values[flagged] > fit.sequence.values[flagged]
+    most = max(above.sum(), len(above) - above.sum())
+    return min(float(np.log(2) + binom.logsf(most - 1, len(above), TOLERATED_SIDE)), 0.0)
 
 
 def _law_explains(candidate: Candidate) -> bool:

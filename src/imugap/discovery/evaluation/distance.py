@@ -18,7 +18,7 @@ from scipy.special import ndtri
 from imugap import log
 from imugap.discovery.evaluation.parameter_ensemble import UncertainModel
 from imugap.discovery.finding import Interval
-from imugap.discovery.preparation.rounding import level_before_rounding
+from imugap.discovery.preparation.rounding import level_before_rounding, mean_of_terms
 from imugap.discovery.views.curve import block_starts
 from imugap.discovery.views.spectral import bands
 from imugap.effects.conditions import Conditions
@@ -260,12 +260,13 @@ class HeldOutComparison:
             yield sensors.simulate(ideal, seed, *labels, at=at)
 
     def _at_rest(self, model: ErrorModel) -> pd.DataFrame:
-        """Return the error-free log of a device at rest: the level minus the model's biases."""
-        table, interval = self.measured.copy(), log.interval(self.measured)
+        """Return the error-free log of a device at rest: the level less what the model adds to it on the average."""
+        table, interval = self._with_temperature(self.measured.copy()), log.interval(self.measured)
+        training = conditions(table.iloc[: self.training])
         for axis in log.axes(self.measured):
-            biases = offset_of(model[axis])
-            table[axis] = level_before_rounding(self._levels[axis], model[axis], interval) - biases
-        return self._with_temperature(table)
+            added = offset_of(model[axis]) + mean_of_terms(model[axis], training[axis])
+            table[axis] = level_before_rounding(self._levels[axis], model[axis], interval) - added
+        return table
 
     @cached_property
     def _in_motion(self) -> tuple[pd.DataFrame, Mapping[str, Conditions]]:

@@ -21,7 +21,7 @@ from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.preparation.cosine_bins import cosine_coefficients
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects.effect import Effect, FilterEffect, Role, StochasticEffect, VarianceEffect
-from imugap.numerics.samples.contaminated_normal import Tails, tails
+from imugap.numerics.samples.contaminated_normal import Tails, parted_tails
 from imugap.stream import stream
 
 Made = TypeVar("Made")
@@ -34,6 +34,8 @@ CUTOFF_STEP, MAX_CUTOFF_STEP = 1e-4, 0.3
 """Of the logarithm of a cutoff: half the step of its difference quotient, and the longest step of a fit."""
 SHAPING_ROLES = (Role.MEAN, Role.FILTER, Role.VARIANCE)
 """Roles of the effects that change the cosine coefficients of the samples, apart from their likelihood."""
+RESPONSE = 64
+"""Number of samples over which a single one may show in the residual made white, itself among them."""
 CACHED_TRANSFORMS = 4
 """Number of systematic parts whose transforms are cached: fits that differ only in the noise share them."""
 
@@ -238,7 +240,13 @@ class AxisFit:
         """Mixture of two normal distributions in the whitened residual, before a coarse rounding."""
         if self.cells is not None:
             return self.cells.tails()
-        return tails(self.whitened, self.sequence.bins.last / len(self.whitened))
+        return parted_tails(self.whitened, self.sequence.bins.last / len(self.whitened), self._response)
+
+    @property
+    def _response(self) -> np.ndarray:
+        """Return what a deviation of a sample adds to the whitened residual there, as one, and at the samples next."""
+        kernel = irfft(np.r_[0.0, 1 / self.scatter.root, 0.0])
+        return kernel[:RESPONSE] / kernel[0]
 
     @cached_property
     def unit(self) -> float:

@@ -44,24 +44,42 @@ class CommonNoise:
         Their standard deviations.
     log_p
         Log p-value of the strongest pair (two-sided, Bonferroni over the pairs).
+    most
+        Density of all white noise of each axis, shape (axes,).
     """
 
     axes: tuple[str, ...]
     densities: np.ndarray
     errors: np.ndarray
     log_p: float
+    most: np.ndarray
 
     def finding(self, unit: str) -> Finding:
         """Return a finding with one density and a loading for each axis."""
         density, error = abs(float(self.densities[0])), float(self.errors[0])
-        parameters = {"density": Interval(density, max(density - 1.96 * error, 0.0), density + 1.96 * error, unit)}
+        low, high = self._open
+        parameters = {
+            "density": Interval(density, max(low * density - 1.96 * error, 0.0), high * density + 1.96 * error, unit)
+        }
         effects = {}
         for axis, size, spread in zip(self.axes, self.densities, self.errors, strict=True):
-            loading = float(size / density)
-            relative = float(np.hypot(spread / density, loading * error / density)) if axis != self.axes[0] else 0.0
-            parameters[f"loading_{axis}"] = Interval(loading, loading - 1.96 * relative, loading + 1.96 * relative, "1")
+            loading, first = float(size / density), axis == self.axes[0]
+            relative = 0.0 if first else float(np.hypot(spread / density, loading * error / density))
+            ends = (loading, loading) if first else sorted((loading / high**2, loading / low**2))
+            parameters[f"loading_{axis}"] = Interval(loading, ends[0] - 1.96 * relative, ends[1] + 1.96 * relative, "1")
             effects[axis] = CommonMode(density, loading)
         return Finding(effects, parameters, self.log_p)
+
+    @property
+    def _open(self) -> tuple[float, float]:
+        """Return the least and the largest density of the first axis that the log leaves open, over the given one.
+
+        Two axes determine only the product: each may have as much of it as there is white noise on it.
+        """
+        if len(self.axes) > 2:
+            return 1.0, 1.0
+        own, other = self.most / np.abs(self.densities)
+        return float(min(1 / other, 1.0)), float(max(own, 1.0))
 
 
 def find_common_noise(fits: dict[str, AxisFit], log_alpha: float) -> tuple[CommonNoise, ...]:
@@ -113,7 +131,7 @@ def _one_factor(
     else:
         densities = loadings * white
         errors = white * loading_errors(loadings, n)
-    return CommonNoise(tuple(axes[i] for i in members), densities, errors, log_p)
+    return CommonNoise(tuple(axes[i] for i in members), densities, errors, log_p, white)
 
 
 def loading_errors(loadings: np.ndarray, n: int) -> np.ndarray:

@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from imugap.discovery.preparation.sequence import AxisSequence
+from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Effect, Role
 
 
@@ -57,6 +58,12 @@ def level_before_rounding(mean: float, effects: Iterable[Effect], interval: floa
     for lattice in _lattices(known):
         mean = lattice.mean_ahead(mean, std) if std > 0 else mean
     return mean
+
+
+def mean_of_terms(effects: Iterable[Effect], conditions: Conditions) -> float:
+    """Return the mean of what the systematic effects of a device at rest add to its level."""
+    terms = (one for one in effects if one.role is Role.MEAN and not one.of_motion)
+    return sum(float(np.mean(one.sample(conditions, None))) for one in terms)
 
 
 def _lattices(effects: Iterable[Effect]) -> tuple[Lattice, ...]:

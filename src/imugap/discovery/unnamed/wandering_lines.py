@@ -5,7 +5,7 @@ cosine coefficients are replaced by random ones of the level around it, the band
 search is repeated. A band that is not narrow is not removed.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -15,6 +15,7 @@ from scipy.stats import chi2
 
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.preparation.sequence import AxisSequence
+from imugap.effects.effect import Effect
 from imugap.stream import stream
 
 MAX_DISTANCE = 5.0
@@ -47,11 +48,15 @@ class Band:
         return self.high < MAX_BAND_RATIO * self.low
 
 
-def find_bands(found: AxisFit) -> tuple[Band, ...]:
-    """Return the narrow bands in which several lines of a fit describe one wandering line."""
+def find_bands(found: AxisFit, steady: Callable[[int], bool] = lambda _: False) -> tuple[Band, ...]:
+    """Return the narrow bands in which several lines of a fit describe one wandering line.
+
+    ``steady`` says of the index of a term whether it keeps its amplitude and phase over the log: two that do, and of
+    which one sweeps across the other, are not one line.
+    """
     resolution = 1 / (2 * found.sequence.conditions.interval * len(found.sequence.values))
     lowest = 2 * STRIDE / (MAX_BAND_RATIO - 1) * resolution
-    grown = (_widened_band(found.sequence, *ends) for ends in _line_groups(found) if ends[0] > lowest)
+    grown = (_widened_band(found.sequence, *ends) for ends in _line_groups(found, steady) if ends[0] > lowest)
     narrow = tuple(band for band in grown if band.narrow)
     span = sum(band.high - band.low for band in narrow)
     return narrow if span < MAX_SHARE * 0.5 / found.sequence.conditions.interval else ()
@@ -68,16 +73,29 @@ def without_bands(sequence: AxisSequence, bands: tuple[Band, ...]) -> AxisSequen
     return sequence.with_values(dct(coefficients, type=3, norm="ortho")) if bands else sequence
 
 
-def _line_groups(found: AxisFit) -> Iterator[tuple[float, float]]:
+def _line_groups(found: AxisFit, steady: Callable[[int], bool]) -> Iterator[tuple[float, float]]:
     """Yield the lowest and the highest frequency [Hz] of each group of close tones, of two or more."""
     duration = found.sequence.conditions.interval * len(found.sequence.values)
-    tones = sorted(one.reach(duration) for one in found.description.effects() if one.tonal)
-    low, high = np.array(tones).reshape(-1, 2).T
+    tones = [(index, term.effect) for index, term in enumerate(found.description.terms) if term.effect.tonal]
+    tones.sort(key=lambda tone: tone[1].reach(duration))
+    low, high = np.array([one.reach(duration) for _, one in tones]).reshape(-1, 2).T
     high = np.maximum.accumulate(high)
     breaks = 1 + np.flatnonzero(low[1:] > high[:-1] + MAX_DISTANCE / duration)
     for group in np.split(np.arange(len(tones)), breaks):
-        if len(group) > 1:
+        some = [tones[place] for place in group]
+        apart = _cross([one for _, one in some], duration) and all(steady(index) for index, _ in some)
+        if len(group) > 1 and not apart:
             yield float(low[group[0]]), float(high[group[-1]])
+
+
+def _cross(tones: Sequence[Effect], duration: float) -> bool:
+    """Return whether tones are two of which the lower one at the begin of a log is the higher one at its end."""
+    if len(tones) != 2:
+        return False
+    ends = np.array([one.reach(duration) for one in tones])
+    turned = [getattr(one, "chirp_rate", 0.0) < 0 for one in tones]
+    begin, end = np.diff(np.where(np.array(turned)[:, None], ends[:, ::-1], ends), axis=0)[0]
+    return bool(begin * end < 0 and min(abs(begin), abs(end)) > MAX_DISTANCE / duration)
 
 
 def _coefficient_range(sequence: AxisSequence, low: float, high: float) -> tuple[int, int]:

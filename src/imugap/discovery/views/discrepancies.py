@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from imugap.discovery import views
 from imugap.discovery.finding import Discrepancy
 from imugap.discovery.fit.axis_fit import AxisFit, fit
-from imugap.discovery.preparation.rounding import level_before_rounding, unrounded
+from imugap.discovery.preparation.rounding import level_before_rounding, mean_of_terms, unrounded
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.views.envelope import Envelope
 from imugap.effects.effect import AxisModel, Effect
@@ -93,6 +93,7 @@ class ReplicateGroup:
                 mean
                 if conditions.ideal is not None
                 else level_before_rounding(mean, (*effects, *self.known), conditions.interval)
+                - mean_of_terms(effects, conditions)
             )
             error = AxisModel(self.known).simulate(level + ideal + error, conditions, seed, *labels) - (mean + ideal)
         step = sequence.step if any(one.lattice for one in self.known) else 0.0

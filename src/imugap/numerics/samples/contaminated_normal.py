@@ -89,6 +89,38 @@ class Tails:
         return min(float(np.log(len(power)) - power.max()), 0.0)
 
 
+def parted_tails(sequence: np.ndarray, share: float, response: np.ndarray) -> Tails:
+    """Fit the mixture to a sequence in which an outlier at one sample shows at its neighbours as well.
+
+    Parameters
+    ----------
+    sequence, share
+        As in :func:`tails`.
+    response
+        What a deviation of one of a sample adds to that sample, which is one, and to the 1st, 2nd, ... on either side.
+    """
+    found = tails(sequence, share)
+    if np.abs(response[1:]).max(initial=0.0) * np.abs(sequence).max() < found.narrow:
+        return found
+    return tails(_parted(sequence, found, response), share)
+
+
+def _parted(sequence: np.ndarray, found: Tails, response: np.ndarray) -> np.ndarray:
+    """Return a sequence less what its outliers add to other samples (matching pursuit: Mallat and Zhang 1993).
+
+    The largest comes first; a sample that is no outlier without the larger ones beside it adds to none.
+    """
+    parted, reach = sequence.copy(), len(response) - 1
+    around = np.r_[response[:0:-1], 0.0, response[1:]]
+    flagged = np.flatnonzero(found.flagged)
+    least = np.abs(sequence[flagged]).min(initial=np.inf)
+    for place in flagged[np.argsort(-np.abs(sequence[flagged]), kind="stable")]:
+        if np.abs(parted[place]) >= least:
+            first, last = max(place - reach, 0), min(place + reach + 1, len(parted))
+            parted[first:last] -= parted[place] * around[first - place + reach : last - place + reach]
+    return parted
+
+
 def tails(sequence: np.ndarray, share: float = 1.0) -> Tails:
     """Fit the mixture by expectation and maximisation, from several starts.
 
