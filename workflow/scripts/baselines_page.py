@@ -1,6 +1,5 @@
 """Tabulate the baselines beside discovery, and write what the text says of them."""
 
-
 import pandas as pd
 
 from imu_benchmark import summary

@@ -1,6 +1,5 @@
 """Draw and tabulate the scores of the blind benchmark, and write what the text says of them."""
 
-
 import pandas as pd
 
 from imu_benchmark import scores as blind

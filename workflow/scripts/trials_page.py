@@ -1,6 +1,5 @@
 """Draw and tabulate how often a probable name is right, and what a search loses; write what the text says of both."""
 
-
 import numpy as np
 import pandas as pd
 
