@@ -60,3 +60,10 @@ def test_what_no_device_measures_is_refused_as_such(tmp_path, reader):
     log.to_csv(tmp_path / "log.csv")
     with pytest.raises(LogError, match=r"line 102, column accel_z: expected a number of at most 1e\+12 either way"):
         reader(tmp_path / "log.csv")
+
+
+def test_a_table_without_rows_is_refused(tmp_path):
+    recorded().iloc[:0].to_parquet(tmp_path / "log.parquet")
+    for reader in (read, stream):
+        with pytest.raises(LogError, match=r"log\.parquet: rows: expected at least 2 samples; found 0"):
+            reader(tmp_path / "log.parquet")

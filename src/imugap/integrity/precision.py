@@ -10,6 +10,8 @@ from imugap.units import factor
 
 DIGITS = 14
 """Decimal digits of a double after a conversion of units."""
+LEAST = 1e-290
+"""Least number of which all digits are numbers as well; one below it counts as zero."""
 SAMPLE = 200
 """Numbers on which a format is tested before all."""
 PART = 1 << 16
@@ -70,6 +72,7 @@ def decimal(step: float) -> bool:
 
 def _decimal(values: np.ndarray) -> np.ndarray:
     """Return the spacing of non-negative numbers written as decimal text, shape (n,); zero for other numbers."""
+    values = np.where(values < LEAST, 0.0, values)
     some = values[:: max(len(values) // SAMPLE, 1)]
     if not values.any():
         return np.zeros(len(values))

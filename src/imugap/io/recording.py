@@ -335,6 +335,8 @@ def _stretches(source: Source, selection: Selection) -> list[tuple[np.ndarray, n
         if due and row > due[0]:
             kept.append([values[: samples.STRETCH].copy() for values in batch])
             due = [one for one in due if one >= row]
+    if not kept:
+        raise LogError(source.path, "rows", "at least 2 samples", "0")
     stamps = [None if selection.stamp is None else one.pop() for one in kept]
     blocks = [within_range(np.array(one, float)) for one in kept]
     for block in blocks:

@@ -336,3 +336,10 @@ def test_at_the_longest_averaging_times_the_law_that_was_shown_last_goes_on():
 def test_points_per_decade_is_what_the_slope_error_assumes():
     found = np.log10(factors(10**6))
     np.testing.assert_allclose(np.diff(found[-20:]), 1 / allan.POINTS_PER_DECADE, rtol=0.03)
+
+
+def test_a_log_of_lost_samples_has_no_curve():
+    """Each sample is the only one for long, so that none tells a slope."""
+    lost = np.arange(1200) % 20 != 0
+    with pytest.raises(ValueError, match="expected samples enough for a slope; found 95 % lost of 1200"):
+        curve(stream(1, "sparse").standard_normal(1200), 1.0, lost=lost)

@@ -325,3 +325,9 @@ def test_rows_without_decimal_numbers_are_refused_with_the_first_cell(tmp_path, 
     path.write_text("\n".join(["time,gyro,accel", *[row] * 100]) + "\n")
     with pytest.raises(LogError, match=said):
         read(path)
+
+
+def test_a_text_of_one_long_line_is_refused(tmp_path):
+    (tmp_path / "run.csv").write_text("time gyro_x" + " 0.0" * 200_000)
+    with pytest.raises(LogError, match=r"line 1: expected a header and rows of numbers; found 'time gyro_x 0.0"):
+        read(tmp_path / "run.csv")

@@ -103,6 +103,9 @@ def curve(sequence: np.ndarray, interval: float, level: float = 0.95, lost: np.n
     share = 1.0 if lost is None or not lost.any() else _information(lost, averaging)
     error = np.sqrt(0.5 / (len(sequence) / averaging - 1) / share)
     known = pd.Series(slope).where(_slope_error(pd.Series(error)) < SLOPE_ERROR).ffill().to_numpy()
+    if np.isnan(known).any():
+        found = f"{100 * float(np.mean(lost)):.0f} % lost of {len(sequence)}"
+        raise ValueError(f"Allan deviation: expected samples enough for a slope; found {found}")
     if np.abs(known).max() > STEEP:
         edf = _degrees_of_sum(sequence, averaging, deviation, error)
     else:

@@ -256,7 +256,7 @@ def sniff(path: Path) -> Dialect:
     if not rows:
         if any(len(_cells(line, mark)) > 1 for line in whole for mark in SEPARATORS):
             raise _no_rows(path, whole)
-        raise LogError(path, "line 1", "a header and rows of numbers", repr(whole[0][:EXCERPT]))
+        raise LogError(path, "line 1", "a header and rows of numbers", repr(lines[0][:EXCERPT]))
     width = Counter(map(len, rows)).most_common(1)[0][0]
     names = _header(whole[:first], separator, width, all(not row[-1] for row in rows if len(row) == width))
     if first and not any(names) and 2 * len(_cells(whole[first - 1], separator)) == width:
