@@ -301,7 +301,7 @@ def check(recorded: RecordedDrive) -> RecordedDrive:
         raise LogError("drive", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     steps = np.diff(log.index.to_numpy())
     if steps.max() > LONGEST_GAP_S:
-        found = f"{steps.max():.3g} s after {log.index[int(steps.argmax())]:g} s"
+        found = f"{steps.max():.3g} s after {log.index[int(steps.argmax())]:.10g} s"
         raise ValueError(f"drive: expected gaps of at most {LONGEST_GAP_S:g} s; found {found}")
     if due[0] >= log.index[-1] or due[-1] <= log.index[0]:
         own, seen = (f"{one[0]:.10g} s to {one[-1]:.10g} s" for one in (log.index, due))
@@ -370,7 +370,7 @@ def smooth(aligned: AlignedDrive) -> NavigatedDrive:
     inputs, corrections, start = aligned
     filtered, smoothed = (vehicle.navigate(inputs, start, smooth=one) for one in (False, True))
     if not filtered.record.freedom.sum():
-        raise ValueError(f"drive: expected fixes after the alignment at {start.time:g} s; found none of use")
+        raise ValueError(f"drive: expected fixes after the alignment at {start.time:.10g} s; found none of use")
     verdict = drive_verdict.judge(inputs, corrections, filtered, smoothed)
     return NavigatedDrive(filtered, smoothed, inputs.fixes, verdict, inputs)
 

@@ -102,7 +102,7 @@ def _without_null_island(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Correc
     if not null.any() or null.sum() > len(fixes) - 2:
         return fixes, []
     found = (
-        f"{null.sum()} of {len(fixes)} fixes, the first at {fixes.index[null][0]:g} s, are at latitude 0, longitude 0"
+        f"{null.sum()} of {len(fixes)} fixes, the first at {fixes.index[null][0]:.10g} s, are at latitude 0, longitude 0"
     )
     return fixes[~null], [Correction("fixes before lock", found, "left out")]
 
@@ -149,7 +149,7 @@ def _without_unreachable(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Correc
     gone = ~kept & ((np.arange(len(time)) < inside[0]) | (away > FAR_M))
     if not gone.any():
         return fixes, []
-    when = f"from {time[gone][0]:g} s to {time[gone][-1]:g} s"
+    when = f"from {time[gone][0]:.10g} s to {time[gone][-1]:.10g} s"
     found = f"{gone.sum()} of {len(time)} fixes, {when}, lie up to {away[gone].max():.3g} m away from the others"
     return fixes[~gone], [Correction("fixes from elsewhere", found, "left out")]
 

@@ -713,7 +713,7 @@ def _require_path(history: History, time: np.ndarray) -> None:
     if not within.all():
         raise ValueError(
             f"drive: expected a path known to within {FARTHEST_M:g} m; found one that is not at "
-            f"{time[np.argmin(within)]:g} s, as by noise far too large or too small for a filter"
+            f"{time[np.argmin(within)]:.10g} s, as by noise far too large or too small for a filter"
         )
 
 
@@ -723,7 +723,7 @@ def _checked_stamps(log: pd.DataFrame, start: InitialState) -> np.ndarray:
         raise LogError("drive", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     stamp = log.index.to_numpy(dtype=float)
     if not stamp[0] <= start.time < stamp[-1]:
-        raise ValueError(f"start: expected a time from {stamp[0]:g} s to {stamp[-1]:g} s; found {start.time:g} s")
+        raise ValueError(f"start: expected a time from {stamp[0]:.10g} s to {stamp[-1]:.10g} s; found {start.time:.10g} s")
     return stamp
 
 
