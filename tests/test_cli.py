@@ -125,11 +125,24 @@ def heard():
         signal.signal(number, handler)
 
 
+def wait_for(number):
+    os.kill(os.getpid(), number)
+    time.sleep(10)
+
+
+def wrapped(number):
+    """Wait as in a compiler, which turns what interrupts it into an error of its own."""
+    try:
+        wait_for(number)
+    except BaseException as error:
+        raise RuntimeError("no code") from error
+
+
+@pytest.mark.parametrize("wait", [wait_for, wrapped])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_is_said_and_is_the_exit_code(heard, capsys, monkeypatch, number):
+def test_a_signal_is_said_and_is_the_exit_code(heard, capsys, monkeypatch, number, wait):
     def run(_):
-        os.kill(os.getpid(), number)
-        time.sleep(10)
+        wait(number)
 
     before = signal.getsignal(number)
     command = SimpleNamespace(add_arguments=lambda parser: None, run=run)

@@ -107,10 +107,10 @@ def main(arguments: list[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # else the interpreter flushes it once more
         return 128 + signal.SIGPIPE
     except Interrupted as interrupt:
-        _say("interrupted")
-        return 128 + interrupt.args[0]
+        return _ended(interrupt)
     except Exception as error:
-        return _failed(error)
+        interrupt = _interrupt_behind(error)
+        return _failed(error) if interrupt is None else _ended(interrupt)
     return code
 
 
@@ -170,6 +170,19 @@ def _interruptible() -> Iterator[None]:
     finally:
         for one, handler in former.items():
             signal.signal(one, handler)
+
+
+def _interrupt_behind(error: BaseException | None) -> Interrupted | None:
+    """Return the signal in whose place an error was raised, as a compiler that is interrupted does, or None."""
+    while error is not None and not isinstance(error, Interrupted):
+        error = error.__cause__ or error.__context__
+    return error
+
+
+def _ended(interrupt: Interrupted) -> int:
+    """Say that the command was interrupted, and return the exit code."""
+    _say("interrupted")
+    return 128 + interrupt.args[0]
 
 
 def _failed(error: Exception) -> int:

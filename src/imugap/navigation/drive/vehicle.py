@@ -723,7 +723,9 @@ def _checked_stamps(log: pd.DataFrame, start: InitialState) -> np.ndarray:
         raise LogError("drive", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     stamp = log.index.to_numpy(dtype=float)
     if not stamp[0] <= start.time < stamp[-1]:
-        raise ValueError(f"start: expected a time from {stamp[0]:.10g} s to {stamp[-1]:.10g} s; found {start.time:.10g} s")
+        raise ValueError(
+            f"start: expected a time from {stamp[0]:.10g} s to {stamp[-1]:.10g} s; found {start.time:.10g} s"
+        )
     return stamp
 
 
