@@ -101,7 +101,8 @@ def _without_null_island(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Correc
     null = ((fixes["latitude"] == 0) & (fixes["longitude"] == 0)).to_numpy()
     if not null.any() or null.sum() > len(fixes) - 2:
         return fixes, []
-    found = f"{null.sum()} of {len(fixes)} fixes, the first at {fixes.index[null][0]:.10g} s, are at latitude 0, longitude 0"
+    first = f"{fixes.index[null][0]:.10g} s"
+    found = f"{null.sum()} of {len(fixes)} fixes, the first at {first}, are at latitude 0, longitude 0"
     return fixes[~null], [Correction("fixes before lock", found, "left out")]
 
 
