@@ -135,3 +135,7 @@ def test_block_means_leave_out_the_rest_and_never_raise_the_rate():
     means, step = log.block_means(ten, 100.0)
     assert step == pytest.approx(0.1)
     assert len(means["gyro_x"]) == 10
+
+
+def test_the_interval_of_steps_that_are_all_unlike_is_the_median_one():
+    assert interval(stamped([0.0, 0.04, 5.0])) == pytest.approx(2.5)

@@ -122,12 +122,12 @@ def interval(log: pd.DataFrame) -> float:
     """Return the sampling interval [s]: the mean step among those within half of the median step.
 
     Stamps rounded to a third of the interval or finer average out; lost samples (steps of two intervals or more) are
-    excluded.
+    excluded. Where no step is within half of the median one, it is that.
     """
     steps = np.diff(log.index.to_numpy())
     median = np.median(steps)
     regular = steps[np.abs(steps - median) <= 0.5 * median]
-    return float(regular.mean())
+    return float(regular.mean() if len(regular) else median)
 
 
 def rate(log: pd.DataFrame) -> float:

@@ -205,3 +205,8 @@ def test_composition_that_cannot_be_told_apart_is_refused(kinds):
 def test_log_without_information_is_refused(sequence):
     with pytest.raises(ValueError, match="likelihood: expected"):
         Cosines.of(sequence, INTERVAL)
+
+
+def test_samples_whose_squares_are_no_numbers_count_as_constant():
+    with pytest.raises(ValueError, match="expected finite samples that vary"):
+        Cosines.of(1e-303 * stream(1, "small").standard_normal(300), 1.0)

@@ -34,6 +34,8 @@ from imugap.effects import GaussMarkov
 from imugap.effects.effect import AxisModel
 from imugap.numerics.small_matrix import invert
 
+SMALLEST = 1e-150
+"""Largest range of samples whose squares are no numbers."""
 SINGLE = 64
 """Lowest coefficients of each parity that are kept one by one."""
 WIDTH = 0.03
@@ -135,7 +137,7 @@ class Cosines:
     ) -> "Cosines":
         """Transform ``sequence``, shape (n,), sampled every ``interval`` [s]; use frequencies to ``highest`` [Hz]."""
         sequence = np.asarray(sequence, float)
-        if not np.ptp(sequence) > 0:
+        if not np.ptp(sequence) > SMALLEST:
             raise ValueError("likelihood: expected finite samples that vary; found constant or missing ones")
         grid = Grid.of(len(sequence), interval, highest)
         centred = sequence - sequence.mean()

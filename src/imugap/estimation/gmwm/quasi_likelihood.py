@@ -114,6 +114,12 @@ class Constraint:
         """Return the squared density that follows from the value at these log correlation times."""
         return self.value * self._squares(times)
 
+    def applied(self, squares: np.ndarray, times: np.ndarray) -> np.ndarray:
+        """Return squared densities at log correlation times, that which follows from the value in its place."""
+        if self.kind not in (ConstraintKind.SQUARE, ConstraintKind.DRIVING):
+            return squares
+        return np.where(np.arange(len(squares)) == self.column, self.square(times), squares)
+
     def _squares(self, times: np.ndarray) -> float:
         return 0.5 * float(np.exp(times[self.markov])) if self.kind is ConstraintKind.DRIVING else 1.0
 
@@ -157,6 +163,10 @@ class QuasiScoreSolver:
         squares, times = np.split(step, [len(point.squares)])
         share = LONGEST_STEP / max(np.abs(times).max(initial=0.0), LONGEST_STEP)
         while True:
+            moved = constraint.applied(point.squares + share * squares, point.times)
+            if not (moved > 0).any():  # no process is left
+                share /= 2
+                continue
             trial = self.at(point.times + share * times, point.squares + share * squares, constraint)
             following, remaining = self._newton(trial, constraint)
             better = self.weights.deviance(self.observed, point.implied, trial.implied) <= 0
@@ -167,9 +177,8 @@ class QuasiScoreSolver:
 
     def at(self, times: np.ndarray, squares: np.ndarray, constraint: Constraint = FREE) -> Point:
         """Return the point with these parameters, within the limits and subject to the constraint."""
-        times, squares = np.clip(times, *self.family.limits), np.maximum(squares, 0.0)
-        if constraint.kind in (ConstraintKind.SQUARE, ConstraintKind.DRIVING):
-            squares[constraint.column] = constraint.square(times)
+        times = np.clip(times, *self.family.limits)
+        squares = constraint.applied(np.maximum(squares, 0.0), times)
         columns = np.hstack([self.family.densities, self.family.markov(times)])
         return Point(times, columns, squares, self.weights.distance(self.observed, columns @ squares))
 
