@@ -259,3 +259,10 @@ def test_no_start_leads_lower_than_the_fit(time, walk):
             return (curve["variance"] - wavelet_variance.implied(other, INTERVAL, len(curve))) / width
 
         assert found.objective <= 2 * least_squares(deviations, values, xtol=1e-12, ftol=1e-12).cost * (1 + 1e-9)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_square_wave_is_fitted():
+    """A whole step of Newton leads to no process at all."""
+    found = fit((np.arange(400) // 16 % 2).astype(float), 0.04, [WhiteNoise, GaussMarkov])
+    assert (found.curve["implied"] > 0).all()

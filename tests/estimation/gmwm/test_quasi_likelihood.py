@@ -188,13 +188,3 @@ def test_the_only_process_is_not_absent():
     only = solver.at(np.empty(0), np.array([1.0]))
     low, _ = DevianceProfile(solver, only).end(Constraint(ConstraintKind.SQUARE, 0), -1, 4.0, 1e9)
     assert 0 < low < 1
-
-
-def test_no_step_leads_to_no_process_at_all():
-    """From far above what was observed, a whole step of Newton ends below zero in both densities."""
-    family = family_of(WhiteNoise, GaussMarkov)
-    square_wave = np.where(np.arange(LEVELS) < 6, 1e-6, 1.0)
-    solver = QuasiScoreSolver(family, square_wave, correlated())
-    for size in (1e-3, 1.0, 1e3, 1e6):
-        path, _ = solver.solve(solver.at(np.log([5.0]), np.array([size, size])))
-        assert all((point.implied > 0).all() for point in path)
