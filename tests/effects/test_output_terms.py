@@ -149,3 +149,7 @@ def test_rounded_normal_values_tell_mean_and_deviation_of_those_ahead(step, plac
     assert rounded.var() == pytest.approx(expected[1], rel=0.02)
     assert lattice.mean_ahead(expected[0], std) == pytest.approx(mean, abs=1e-6 * step)
     assert lattice.std_ahead(*expected) == pytest.approx(std, rel=0.02)
+
+
+def test_a_mean_far_beyond_the_step_is_that_ahead_of_the_rounding():
+    assert Resolution(1e-3).mean_ahead(1e15, 3e-4) == 1e15

@@ -17,6 +17,8 @@ FORMAT = 0.05
 """Step of decimal numbers [standard deviations of the noise] below which it is that of the file."""
 FINE = 0.005
 """Step [standard deviations of the noise] below which a lattice is negligible."""
+FAR = 1e9
+"""Mean over the step beyond which a rounding leaves it as it is."""
 DEEP = 8.0
 """Standard deviations beyond which a normal density is neglected."""
 DITHERED, LEAST = 0.5, 0.02
@@ -60,9 +62,10 @@ class Resolution(Effect):
     def mean_ahead(self, mean: float, std: float) -> float:
         """Return the mean of independent normal values from their mean after rounding.
 
-        Both are equal, to 1e-8 of the step, for a standard deviation of one step or more.
+        Both are equal, to 1e-8 of the step, for a standard deviation of one step or more. Far beyond the step a mean
+        has no digits that tell the difference.
         """
-        if std > self.step:
+        if std > self.step or abs(mean) > FAR * self.step:
             return mean
         near = mean - self.step, mean + self.step
         return float(brentq(lambda tried: self.moments(tried, std)[0] - mean, *near, xtol=1e-9 * self.step))
