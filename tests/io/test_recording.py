@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from imugap.io.recording import read
@@ -102,6 +102,7 @@ def test_a_corrupt_file_is_an_error_or_a_sound_log(log, suffix, repair, data):
 
 
 @settings(deadline=None)
+@example(b"header:", ".csv")
 @given(st.binary(max_size=300), st.sampled_from([".csv", ".parquet", ".rda", ".npy", ".mat"]))
 def test_noise_is_an_error_and_nothing_else(content, suffix):
     with tempfile.TemporaryDirectory() as folder:

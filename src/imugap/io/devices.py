@@ -90,7 +90,7 @@ def every_row(source: Source, columns: Sequence[int], rows: tuple[int, int]) -> 
 
 def _require_one_sensor(source: Source) -> None:
     """Raise a LogError where the first word of each line names a sensor, and the columns are those of one of them."""
-    name = source.names[0]
+    name = next(iter(source.names), "")
     if not any(one.isalpha() for one in name):
         return
     with whole_file(source.path):

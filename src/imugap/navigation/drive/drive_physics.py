@@ -15,7 +15,6 @@ from typing import NamedTuple, NoReturn
 
 import numpy as np
 import pandas as pd
-from scipy.stats import theilslopes
 
 from imugap.log import ACCEL, GYRO
 from imugap.navigation.drive.clock_rate import clock_correction, with_clock, with_drift
@@ -363,6 +362,8 @@ def _steadied(inputs: DriveInputs, offset: float) -> DriveInputs | None:
             spread = [DriveWindows((at + one,), windows.span).fit(replace(pair, time=pair.time + one)).spread
                       for one in steps]  # fmt: skip
             own.append((at, float(steps[int(np.argmin(spread))])))
+        from scipy.stats import theilslopes  # long import, and few drives get here
+
         slope, at_zero = theilslopes(*np.array(own)[:, ::-1].T)[:2]
         tried = with_drift(tried, float(slope), float(at_zero + slope * pair.stamp[0]))
     plain, fit = (_fit(velocity_pair(one)) for one in (moved, tried))
