@@ -62,10 +62,9 @@ class Chirp(SystematicEffect):
         line = Sinusoid(max(abs(frequency), TINY), self.amplitude, float(np.sign(frequency) * (self.phase - bend)))
         return Start(line, LINE)
 
-    def reach(self, duration: float) -> tuple[float, float]:
-        """Return the frequencies at both ends of a log, the lower one first."""
-        low, high = sorted((self.frequency, self.frequency + self.chirp_rate * duration))
-        return low, high
+    def sweep(self, duration: float) -> tuple[float, float]:
+        """Return the frequencies at both ends of a log."""
+        return self.frequency, self.frequency + self.chirp_rate * duration
 
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step from sample to sample."""

@@ -87,10 +87,9 @@ class Comb(SystematicEffect):
         lead = self.turned(time) - other.turned(time)
         return replace(other, **{f"phase_{k}": _wrapped(self.phase(k) + k * lead) for k in self.amplitudes})
 
-    def reach(self, duration: float) -> tuple[float, float]:
-        """Return the frequencies of the fundamental at both ends of a log, the lower one first."""
-        low, high = sorted((self.frequency, self.frequency + self.chirp_rate * duration))
-        return low, high
+    def sweep(self, duration: float) -> tuple[float, float]:
+        """Return the frequencies of the fundamental at both ends of a log."""
+        return self.frequency, self.frequency + self.chirp_rate * duration
 
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step from sample to sample."""

@@ -307,9 +307,14 @@ class Effect:
         """Return :meth:`apply` as a function of one part of a run after the other, or None where there is none such."""
         return partial(self.apply, rng=rng) if self.memoryless else None
 
+    def sweep(self, duration: float) -> tuple[float, float]:
+        """Return the frequency [Hz] of a tone at the begin and at the end of a log of a duration [s]."""
+        raise NotImplementedError
+
     def reach(self, duration: float) -> tuple[float, float]:
         """Return the lowest and the highest frequency [Hz] of a tone over a log of a duration [s]."""
-        raise NotImplementedError
+        low, high = sorted(self.sweep(duration))
+        return low, high
 
     def block(self, interval: float, axis: str) -> Block | None:
         """Return the effect as a step from sample to sample at an interval [s]; None where it has no such form."""

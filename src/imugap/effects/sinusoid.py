@@ -44,7 +44,7 @@ class Sinusoid(SystematicEffect, AllanEffect):
         """Return the sinusoid at the sample times."""
         return self.amplitude * np.cos(2 * np.pi * self.frequency * conditions.time + self.phase)
 
-    def reach(self, duration: float) -> tuple[float, float]:
+    def sweep(self, duration: float) -> tuple[float, float]:
         """Return its one frequency twice."""
         return self.frequency, self.frequency
 

@@ -187,8 +187,8 @@ def test_an_offset_that_the_filter_gives_up_is_named(level):
     middle = np.median(fixes.index)
     found = verdict(drive, fixes.assign(height=fixes["height"] - 47.0 * (fixes.index > middle)), drive.record(1, SEED))
     assert not found.verdict.agrees
-    assert found.verdict.beside[0].begin == pytest.approx(middle, abs=10)
-    assert found.verdict.beside[0].by == pytest.approx(47, abs=3)
+    assert found.verdict.offsets[0].begin == pytest.approx(middle, abs=10)
+    assert found.verdict.offsets[0].size == pytest.approx(47, abs=3)
 
 
 def test_a_device_that_turns_in_its_mounting_is_not_explained_by_noise(level):

@@ -51,8 +51,8 @@ class Band:
 def find_bands(found: AxisFit, steady: Callable[[int], bool] = lambda _: False) -> tuple[Band, ...]:
     """Return the narrow bands in which several lines of a fit describe one wandering line.
 
-    ``steady`` says of the index of a term whether it keeps its amplitude and phase over the log: two that do, and of
-    which one sweeps across the other, are not one line.
+    ``steady`` says of the index of a term whether it keeps its amplitude and phase over the log. Two that do are not
+    one line where one sweeps across the other.
     """
     resolution = 1 / (2 * found.sequence.conditions.interval * len(found.sequence.values))
     lowest = 2 * STRIDE / (MAX_BAND_RATIO - 1) * resolution
@@ -89,12 +89,10 @@ def _line_groups(found: AxisFit, steady: Callable[[int], bool]) -> Iterator[tupl
 
 
 def _cross(tones: Sequence[Effect], duration: float) -> bool:
-    """Return whether tones are two of which the lower one at the begin of a log is the higher one at its end."""
+    """Return whether there are two tones, and the lower one at the begin of a log is the higher one at its end."""
     if len(tones) != 2:
         return False
-    ends = np.array([one.reach(duration) for one in tones])
-    turned = [getattr(one, "chirp_rate", 0.0) < 0 for one in tones]
-    begin, end = np.diff(np.where(np.array(turned)[:, None], ends[:, ::-1], ends), axis=0)[0]
+    begin, end = np.subtract(*(one.sweep(duration) for one in tones))
     return bool(begin * end < 0 and min(abs(begin), abs(end)) > MAX_DISTANCE / duration)
 
 

@@ -32,7 +32,7 @@ EVERY_S = 10.0
 """Time between the windows to choose from [s]."""
 UNEXPLAINED, EXPLAINED = 0.08, 0.15
 """Unexplained share from which on a drive is doubtful, and below which an error is named."""
-HOPELESS, FEW = 0.3, 2
+CONTRADICTING, FEW_WINDOWS = 0.3, 2
 """Unexplained share from which on two errors at once are searched for, and number of windows of that search."""
 BETTER = 0.4
 """Largest unexplained share with a named error corrected, as a multiple of that without it."""
@@ -168,7 +168,7 @@ def check_physics(inputs: DriveInputs) -> tuple[DriveInputs, tuple[Correction, .
         _refuse(gains)
     if late.unexplained < limit:
         return _with_offset(inputs, offset, plain, late)
-    if plain.unexplained >= HOPELESS and windows is not None:
+    if plain.unexplained >= CONTRADICTING and windows is not None:
         _refuse_both(candidates, windows, limit)
     return inputs, ()
 
@@ -188,7 +188,7 @@ def _refuse(gains: dict[_Candidate, float], besides: str = "") -> NoReturn:
 
 def _refuse_both(candidates: list[_Candidate], windows: DriveWindows, limit: float) -> None:
     """Raise a ValueError where a candidate and a time offset together explain what neither does."""
-    few = replace(windows, times=windows.times[:FEW])
+    few = replace(windows, times=windows.times[:FEW_WINDOWS])
     found = {one: _time_offset(one.change(), few) for one in candidates}
     best = min(found, key=lambda one: found[one][1].spread, default=None)
     if best is None:

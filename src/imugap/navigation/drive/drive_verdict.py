@@ -42,19 +42,19 @@ SMALLEST_SHARE = 0.05
 
 
 @dataclass(frozen=True)
-class Beside:
-    """Time in which the path lies beside the fixes: ``begin``, ``end`` [s], inf for the end; and ``by`` how far [m]."""
+class LastingOffset:
+    """Offset of the path from the fixes: ``begin``, ``end`` [s], inf for that of the drive, and ``size`` [m]."""
 
     begin: float
     end: float
-    by: float
+    size: float
 
     def __str__(self) -> str:
         """Return it in words."""
         end = "the end" if self.end == np.inf else f"{self.end:.10g} s"
         return (
-            f"from {self.begin:.10g} s to {end} the path lies beside the fixes, by {self.by:.2g} m: these are off, or "
-            "earlier ones drew it away"
+            f"from {self.begin:.10g} s to {end} the path lies beside the fixes, by {self.size:.2g} m: these are off, "
+            "or earlier ones drew it away"
         )
 
 
@@ -73,7 +73,7 @@ class DriveVerdict:
         degrees of freedom; NaN where there are none.
     outage_limit
         Limit of the outage test.
-    beside
+    offsets
         Times in which the positions of the fixes are taken to be off by an offset that never closes.
     """
 
@@ -82,12 +82,12 @@ class DriveVerdict:
     smoother: float
     outage: float
     outage_limit: float
-    beside: tuple[Beside, ...] = ()
+    offsets: tuple[LastingOffset, ...] = ()
 
     @property
     def offset_since(self) -> float | None:
         """Time from which on to the end the positions of the fixes are taken to be off by an offset [s], or None."""
-        return next((one.begin for one in self.beside if one.end == np.inf), None)
+        return next((one.begin for one in self.offsets if one.end == np.inf), None)
 
     @property
     def reasons(self) -> list[str]:
@@ -106,7 +106,7 @@ class DriveVerdict:
     @property
     def agrees(self) -> bool:
         """Whether everything agrees as it was given."""
-        return not self.corrections and not self.reasons and not self.beside
+        return not self.corrections and not self.reasons and not self.offsets
 
     @property
     def factor(self) -> float:
@@ -123,11 +123,11 @@ class DriveVerdict:
             parts.append(f"device and fixes do not agree: {'; '.join(self.reasons)}; nothing that was tried corrects "
                          f"it{larger}")  # fmt: skip
         else:
-            apart = " otherwise" if self.beside else ""
+            apart = " otherwise" if self.offsets else ""
             until = apart if self.offset_since is None else f" until {self.offset_since:.10g} s"
             then = " then" if self.corrections else ""
             parts.append(f"device and fixes agree{then}{until}{self._exceptions()}")
-        parts += [str(one) for one in self.beside]
+        parts += [str(one) for one in self.offsets]
         return ". ".join(one[0].upper() + one[1:] for one in parts) + "."
 
     def _exceptions(self) -> str:
@@ -143,11 +143,13 @@ def judge(
     outage, limit = outage_test(inputs)
     smoother = smoother_test(filtered, smoothed)
     return DriveVerdict(
-        corrections, InnovationFit.of(filtered), smoother, outage, limit, _beside(inputs, filtered, smoothed)
+        corrections, InnovationFit.of(filtered), smoother, outage, limit, _lasting_offsets(inputs, filtered, smoothed)
     )
 
 
-def _beside(inputs: DriveInputs, filtered: DriveSolution, smoothed: DriveSolution) -> tuple[Beside, ...]:
+def _lasting_offsets(
+    inputs: DriveInputs, filtered: DriveSolution, smoothed: DriveSolution
+) -> tuple[LastingOffset, ...]:
     """Return when an offset was open that never closed, but ended in a reset or at the end."""
     events, begin, found = filtered.events, None, []
     for one in events[events["event"].isin((OPENED, SEPARATED, CLOSED, RESET))].itertuples():
@@ -161,7 +163,7 @@ def _beside(inputs: DriveInputs, filtered: DriveSolution, smoothed: DriveSolutio
         found.append((float(begin), np.inf))
     off = np.linalg.norm(off_path(inputs, smoothed), axis=1)
     inside = [(smoothed.fix_time >= begin) & (smoothed.fix_time <= end) for begin, end in found]
-    return tuple(Beside(*one, float(np.median(off[rows]))) for one, rows in zip(found, inside, strict=True))
+    return tuple(LastingOffset(*one, float(np.median(off[rows]))) for one, rows in zip(found, inside, strict=True))
 
 
 def smoother_test(filtered: DriveSolution, smoothed: DriveSolution) -> float:

@@ -2,8 +2,8 @@
 
 At the begin of every stance the velocity that a filter predicts for the foot is off by decimetres per second at most,
 for any gait. With wrong stamps, rates or forces it is off by metres per second, or the foot climbs at every stride.
-Where it does, the log is tried again with each suspect mended, and the one that mends the motion is named. Velocities
-are compared per time of the log, since shorter stamps make any velocity smaller.
+Where it does, the log is tried again with each suspect corrected, and the one that explains the motion is named.
+Velocities are compared per time of the log, since shorter stamps make any velocity smaller.
 
 A walk that passes may still be one of which the filter states too little: the normalised squares of these velocities
 tell, and how often the floor is not level.
@@ -37,25 +37,25 @@ FEWEST_STANCES = 8
 """Number of stances from which on a walk is judged."""
 CHANCE = 1e-6
 """Probability of velocities as large, over the stated ones, below which they are not chance."""
-Mend = Callable[[pd.DataFrame], pd.DataFrame]
+Change = Callable[[pd.DataFrame], pd.DataFrame]
 
 
-def _scaled(names: tuple[str, ...], factor: float) -> Mend:
+def _scaled(names: tuple[str, ...], factor: float) -> Change:
     return lambda log: log.assign(**{name: factor * log[name] for name in names})
 
 
-def _ordered(names: tuple[str, ...], order: tuple[str, ...]) -> Mend:
+def _ordered(names: tuple[str, ...], order: tuple[str, ...]) -> Change:
     return lambda log: log.assign(**{name: log[other] for name, other in zip(names, order, strict=True)})
 
 
-def _stamped(factor: float) -> Mend:
+def _stamped(factor: float) -> Change:
     return lambda log: log.set_index(
         pd.Index(log.index[0] + factor * (log.index.to_numpy() - log.index[0]), name=TIME)
     )  # fmt: skip
 
 
 X, Y, Z = GYRO
-SUSPECTS: dict[str, Mend] = {
+SUSPECTS: dict[str, Change] = {
     "stamps of twice the interval (the rate is twice the nominal one)": _stamped(0.5),
     "stamps of half the interval (the rate is half the nominal one)": _stamped(2.0),
     "angular rates in deg/s": _scaled(GYRO, np.radians(1)),
@@ -72,7 +72,7 @@ SUSPECTS: dict[str, Mend] = {
     "accel_x and accel_y exchanged": _ordered(ACCEL[:2], ACCEL[1::-1]),
     "left-handed axes (one with the opposite sign, or two exchanged, of both sensors)": _scaled((Y, ACCEL[1]), -1.0),
 }
-"""What may be wrong with a log, and how it is mended."""
+"""What may be wrong with a log, and how it is corrected."""
 
 
 class StanceFit(NamedTuple):
@@ -129,7 +129,7 @@ class StanceFit(NamedTuple):
         chance = self.count == 0 or self.nis < chdtri(3 * self.count, CHANCE) / (3 * self.count)
         return 1.0 if chance else float(np.sqrt(self.nis))
 
-    def mends(self, plain: "StanceFit") -> bool:
+    def explains(self, plain: "StanceFit") -> bool:
         """Return whether this is the fit of the right log, where ``plain`` is that of the given one."""
         if plain.velocity >= NOTICED_M_PER_S:
             return self.pace < CLEAR_SHARE * plain.pace and self.climbing <= plain.climbing
@@ -160,10 +160,10 @@ def check_walk(log: pd.DataFrame, model: ErrorModel, assumptions: WalkAssumption
     plain = stance_fit(log, model, assumptions)
     if plain.velocity < NOTICED_M_PER_S and not plain.climbs:
         return
-    left = {name: stance_fit(mended(log), model, assumptions) for name, mended in SUSPECTS.items()}
-    best = min(left, key=lambda name: (not left[name].mends(plain), left[name].pace))
-    if plain.velocity > LARGEST_M_PER_S or left[best].mends(plain):
-        named = f", as of {best}" if left[best].mends(plain) else ""
+    left = {name: stance_fit(corrected(log), model, assumptions) for name, corrected in SUSPECTS.items()}
+    best = min(left, key=lambda name: (not left[name].explains(plain), left[name].pace))
+    if plain.velocity > LARGEST_M_PER_S or left[best].explains(plain):
+        named = f", as of {best}" if left[best].explains(plain) else ""
         off = f"{plain.velocity:.2g} m/s off" if plain.velocity >= NOTICED_M_PER_S else (
             f"{plain.rise:+.2g} m off the level of the last one")  # fmt: skip
         raise ValueError(f"walk: expected a foot that comes to rest at each stance; found it {off}{named}")
