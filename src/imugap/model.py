@@ -14,7 +14,7 @@ from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import AxisModel, Effect, StochasticEffect
 from imugap.io import strict_yaml
 
-SMALLEST, LARGEST = 1e-30, 1e30
+SMALLEST, LARGEST = 1e-30, 1e12
 """Magnitudes of a parameter other than 0 [SI]: far beyond physics, and with powers that a float holds."""
 MOST_EFFECTS = 100
 """Largest number of effects of an axis."""

@@ -38,6 +38,7 @@ from imugap.io.rows import (
     require_numbers,
     require_order,
     require_range,
+    vanish,
     within_range,
     without_filler,
 )
@@ -236,6 +237,7 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
     source, selection = _of_rows(source, selection, settings)
     block, raw = source.load(selection.places, selection.stamp)
     columns = list(selection.assignment.columns)
+    vanish(block)
     filled = _filled(_without_filler(block, selection), source)
     sorted_rows = None if raw is None else by_stamps(raw)
     if sorted_rows is not None:
@@ -340,6 +342,7 @@ def _stretches(source: Source, selection: Selection) -> list[tuple[np.ndarray, n
     stamps = [None if selection.stamp is None else one.pop() for one in kept]
     blocks = [within_range(np.array(one, float)) for one in kept]
     for block in blocks:
+        vanish(block)
         _without_filler(block, selection)
     return list(zip(blocks, stamps, strict=True))
 
@@ -349,6 +352,7 @@ def _parts(source: Source, selection: Selection, found: Conversion) -> Iterator[
     for batch in source.all_batches(selection.places, selection.stamp):
         raw = None if selection.stamp is None else batch.pop()
         block = np.array(batch, float)
+        vanish(block)
         _without_filler(block, selection)
         values = dict(zip(columns, block, strict=True))
         stamped = {} if raw is None else {TIME: raw}

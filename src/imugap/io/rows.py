@@ -19,6 +19,8 @@ LONGEST = 1e12
 """Longest step of sorted stamps, in intervals of an even clock."""
 LARGEST_SAMPLE, LARGEST_STAMP = 1e12, 1e20
 """Largest magnitude of a sample and of a stamp, in any unit: beyond any word of a device, and with powers in range."""
+SMALLEST_SAMPLE = 1e-30
+"""Samples of a smaller magnitude are zero: what a digital filter leaves that runs on behind its input."""
 
 
 def advances(time: np.ndarray) -> np.ndarray:
@@ -98,6 +100,12 @@ def require_range(columns: Mapping[str, np.ndarray], path: Path, place: Callable
             found = f"{values[beyond[0]]:g} ({_counted(beyond)})"
             expected = f"a number of at most {largest:g} either way"
             raise LogError(path, f"{place(int(beyond[0]))}, column {name}", expected, found)
+
+
+def vanish(block: np.ndarray) -> None:
+    """Write 0 for each sample of a block, shape (columns, n), that is too small for a float to hold its powers."""
+    for column in block:
+        column[np.abs(column) < SMALLEST_SAMPLE] = 0.0
 
 
 def within_range(values: np.ndarray) -> np.ndarray:
