@@ -42,11 +42,14 @@ class LogEstimate:
         Estimates, in the order of the axes.
     failed
         Sentences on the axes without an estimate.
+    topic
+        Topic of ROS from which the log is; None where it is from none.
     """
 
     regular: Regular
     axes: tuple[AxisEstimate, ...]
     failed: tuple[str, ...]
+    topic: str | None = None
 
     @cached_property
     def motion(self) -> str | None:
@@ -91,7 +94,7 @@ class LogEstimate:
         if target is not Target.IMUGAP and target not in PROGRAMS:
             bounds = {one.axis: limits for one in self.axes if (limits := report.bounds(one))}
         misfits = [f"THE MODEL DOES NOT FIT THE LOG of {one.axis}: {one.goodness}" for one in self.axes if not one.fits]
-        return exported(ErrorModel(axes), target, rule, bounds, distance, misfits)
+        return exported(ErrorModel(axes), target, replace(rule, topic=self.topic), bounds, distance, misfits)
 
 
 def require_axes(recording: Recording, asked: Sequence[str] = ()) -> list[str]:
@@ -120,7 +123,8 @@ def estimate(recording: Recording, axes: Sequence[str], settings: EstimatorSetti
             errors.append(error)
     if not estimates:
         raise errors[0]
-    return LogEstimate(regular, tuple(estimates), tuple(f"{error} (no estimate of this axis)" for error in errors))
+    failed = tuple(f"{error} (no estimate of this axis)" for error in errors)
+    return LogEstimate(regular, tuple(estimates), failed, recording.topic)
 
 
 def _temperature(found: Regular, count: int) -> np.ndarray | None:

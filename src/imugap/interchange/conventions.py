@@ -54,12 +54,15 @@ class Rule:
         axis whose only slow process is one Gauss-Markov process, and is :data:`HOUR` for any other.
     triad
         Combination of three axes to one number.
+    topic
+        Topic of ROS on which the samples come; None where it is not known.
     """
 
     rate: float
     horizon: float = 10.0
     correlation_time: float | None = None
     triad: Triad = Triad.MEAN_SQUARE
+    topic: str | None = None
 
     def __post_init__(self) -> None:
         """Check that times and rates are finite and positive."""

@@ -193,7 +193,7 @@ def _written(
 
 def _kalibr(model: ErrorModel, rule: Rule) -> Written:
     notes, lines = _per_triad(model, KALIBR, rule, Target.KALIBR, "Kalibr refuses a random walk of 0")
-    lines += ["rostopic: /imu0  # set to yours", f"update_rate: {round(float(rule.rate), 4)}  # Hz"]
+    lines += [f"rostopic: {rule.topic or '/imu0  # set to yours'}", f"update_rate: {round(float(rule.rate), 4)}  # Hz"]
     return notes, lines
 
 

@@ -78,6 +78,8 @@ class Recording:
         Where the axes of the file point (:mod:`imugap.io.recognition.frame`).
     place
         From the number of a row, where it is in the file.
+    topic
+        Topic of ROS from which it is; None where it is from none, or from two.
     """
 
     source: Path
@@ -86,6 +88,7 @@ class Recording:
     weightless: bool = False
     frame: str = frame.AS_IS
     place: Callable[[int], str] = "row {}".format
+    topic: str | None = None
 
     @cached_property
     def log(self) -> pd.DataFrame:
@@ -259,7 +262,13 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
     if said or not selection.assignment.contract or settings.columns or source.notes:
         said = (f"{found.rate_hz:.5g} Hz", f"{len(time):,} samples".replace(",", " "), *source.notes, *said)
     table = table.drop(columns=[*found.without]).set_index(pd.Index(time, name=TIME))
-    return Recording(source.path, table, said, found.weightless, found.frame, source.place)
+    return Recording(source.path, table, said, found.weightless, found.frame, source.place, _ros_topic(source))
+
+
+def _ros_topic(source: Source) -> str | None:
+    """Return the topic of ROS from which the columns are, a name that begins with a slash."""
+    one = source.topic or ""
+    return one if one.startswith("/") and " " not in one else None
 
 
 def _place_of(source: Source, order: np.ndarray) -> Callable[[int], str]:

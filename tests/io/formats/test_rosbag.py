@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from tests.io.devices import RATE, at_rest, times
 
+import imugap as ig
 from imugap.io.fixes import reading
 from imugap.io.recording import RecordingSettings, read
 from imugap.log import AXES, GYRO, LogError
@@ -95,6 +96,12 @@ def thermometer(begin, per_second):
         (0.5 * k, {"temperature": begin + per_second * 0.5 * k, "variance": 0.0})
         for k in range(int(2 * COUNT / RATE) + 2)
     ]
+
+
+def test_a_file_for_kalibr_has_the_topic_of_the_bag(tmp_path, kind):
+    path = write_bag(tmp_path / f"run{ENDINGS[kind]}", kind, {"/camera/imu": at_rest(20 * COUNT)})
+    text = ig.estimate(path, terms=["white_noise", "random_walk"]).export("kalibr")
+    assert "rostopic: /camera/imu\n" in text
 
 
 def test_the_temperature_of_a_bag_is_interpolated_at_the_samples(tmp_path, kind):

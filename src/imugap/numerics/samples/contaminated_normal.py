@@ -137,8 +137,7 @@ def tails(sequence: np.ndarray, share: float = 1.0) -> Tails:
     starts = ((rare, robust, factor * robust) for rare, factor in STARTS)
     value, *best = max((_climb(*binned, *start) for start in starts), key=lambda found: found[0])
     single = -0.5 * binned[1].sum() * (np.log(squares.mean()) + 1)
-    low, high = _log_densities(squares, *best)
-    return Tails(*best, value - single, expit(high - low), _intervals(*binned, *best))
+    return Tails(*best, value - single, _posterior(squares, *best), _intervals(*binned, *best))
 
 
 def _binned(squares: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
@@ -154,6 +153,13 @@ def _binned(squares: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
 def _log_densities(squares, share, narrow, wide):
     low = np.log1p(-share) - np.log(narrow) - squares / (2 * narrow**2)
     return low, np.log(share) - np.log(wide) - squares / (2 * wide**2)
+
+
+def _posterior(squares, share, narrow, wide):
+    """Return the probability of each sample to be of the wide law, in the memory of its square."""
+    squares *= 0.5 / narrow**2 - 0.5 / wide**2
+    squares += logit(share) + np.log(narrow) - np.log(wide)
+    return expit(squares, out=squares)
 
 
 def _climb(squares, number, share, narrow, wide):
