@@ -69,7 +69,7 @@ def _checked(decoded: Decoded, path: Path) -> ReceiverLog:
     require_range({TIME: table.index.to_numpy()}, path, decoded.place)
     require_order(table, path, decoded.place)
     require_numbers(table[[name for name in gnss.PLACE if name in table]], path, decoded.place)
-    for name in ("latitude", "longitude"):
+    for name in table.columns.intersection(["latitude", "longitude"]):
         table[name] = to_si(table[name], "deg")
     fixes = gnss.check(table, path, decoded.place)
     return ReceiverLog(fixes, (f"{len(fixes)} fixes", *decoded.notes) if decoded.notes else (), path)

@@ -1,18 +1,18 @@
 """Arrays of NumPy (``.npy``, ``.npz``), MATLAB (``.mat``, up to version 7.2) and R (``.rda``), with their names."""
 
 import warnings
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from imugap.io.formats import mat_elements
+from imugap.io.formats.archive import BEGIN, members
 from imugap.io.formats.source import Source, extra
 from imugap.io.recognition.column_names import meaning
 from imugap.log import LogError
 
-NPY, MAT, HDF, ZIP = b"\x93NUMPY", b"MATLAB 5.0", b"MATLAB 7.3", b"PK\x03\x04"
+NPY, MAT, HDF = b"\x93NUMPY", b"MATLAB 5.0", b"MATLAB 7.3"
 R_STARTS = (b"RDX2", b"RDX3", b"\x1f\x8b", b"BZh", b"\xfd7zXZ")
 R_ENDINGS = (".rda", ".rdata")
 RATES = ("sampling_rate", "sample_rate", "samplingrate", "samplerate", "sampling_frequency", "fs", "rate_hz")
@@ -29,7 +29,7 @@ def recognises(path: Path, head: bytes) -> bool:
     """Return whether a file begins as one of these formats."""
     return (
         head.startswith((NPY, MAT, HDF))
-        or _is_npz(path, head)
+        or _are_arrays(members(path, head))
         or (head.startswith(R_STARTS) and path.suffix.lower() in R_ENDINGS)
     )
 
@@ -81,18 +81,15 @@ def _of_run(found: Mapping[str, object], settings) -> tuple[str | None, Mapping[
     return (topic, {**found, **chosen}) if chosen else (None, found)
 
 
-def _is_npz(path: Path, head: bytes) -> bool:
-    """Return whether a file is an archive of arrays of NumPy."""
-    if not head.startswith(ZIP) or not zipfile.is_zipfile(path):
-        return False
-    with zipfile.ZipFile(path) as archive:
-        return all(name.endswith(".npy") for name in archive.namelist())
+def _are_arrays(names: tuple[str, ...] | None) -> bool:
+    """Return whether the names in an archive are those of arrays of NumPy."""
+    return bool(names) and all(name.endswith(".npy") for name in names)
 
 
 def _decoded(path: Path, head: bytes) -> Mapping[str, object]:
     if head.startswith(NPY):
         return {"": np.load(path, allow_pickle=False)}
-    if head.startswith(ZIP):
+    if head.startswith(BEGIN):
         with np.load(path, allow_pickle=False) as found:
             return dict(found)
     if head.startswith(HDF):

@@ -9,10 +9,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from imugap.io.formats import sensor_tables, text
+from imugap.io.formats.archive import members
 from imugap.io.formats.source import Source
 from imugap.log import LogError
 
-MAGIC = b"PK\x03\x04"
 ENDING = ".csv"
 METADATA = "metadata.csv"
 LARGEST_BYTES = 1 << 32
@@ -23,14 +23,11 @@ def recognises(path: Path, head: bytes) -> bool:
     """Return whether a folder or an archive has texts, one of them of a sensor or alone."""
     if path.is_dir():
         names = [one.name for one in path.iterdir()]
-    elif head.startswith(MAGIC) and zipfile.is_zipfile(path):
-        try:
-            with zipfile.ZipFile(path) as archive:
-                names = [Path(one).name for one in archive.namelist() if "/meta/" not in f"/{one}"]
-        except Exception:  # damaged, which is said where it is opened
-            return True
     else:
-        return False
+        packed = members(path, head)
+        if not packed:
+            return packed is not None  # damaged, which is said where it is opened
+        names = [Path(one).name for one in packed if "/meta/" not in f"/{one}"]
     texts = [one for one in names if one.lower().endswith(ENDING)]
     return sensor_tables.has_sensors(texts) or len(texts) == 1
 

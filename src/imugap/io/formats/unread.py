@@ -1,8 +1,8 @@
 """Spreadsheets, HDF5, pickles and Feather: recognised, but not read; the error says what to save instead."""
 
-import zipfile
 from pathlib import Path
 
+from imugap.io.formats.archive import members
 from imugap.io.formats.source import Source
 from imugap.log import LogError
 
@@ -15,8 +15,8 @@ KINDS = {
     b"\x80\x05": "a pickle, which would run as code (write Parquet or .npz)",
 }
 """What a file with this begin is."""
-ZIP, SHEETS = b"PK\x03\x04", ("xl/", "content.xml")
-"""Begin of an archive, and of the names in one that is a spreadsheet."""
+SHEETS = "xl/", "content.xml"
+"""Begin of the names in an archive that is a spreadsheet."""
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -32,7 +32,7 @@ def open_source(path: Path, settings) -> Source:
 
 
 def _kind(path: Path, head: bytes) -> str | None:
-    if head.startswith(ZIP) and zipfile.is_zipfile(path):
-        with zipfile.ZipFile(path) as archive:
-            return SPREADSHEET if any(name.startswith(SHEETS) for name in archive.namelist()) else None
+    names = members(path, head)
+    if names is not None:
+        return SPREADSHEET if any(name.startswith(SHEETS) for name in names) else None
     return next((kind for begin, kind in KINDS.items() if head.startswith(begin)), None)
