@@ -343,6 +343,6 @@ def test_letters_of_the_hemisphere_are_the_sign_of_the_places(tmp_path, names, l
 def test_a_solution_that_ends_within_its_first_row_is_refused(tmp_path):
     path = rtklib(tmp_path / "rover.pos")
     head, first = path.read_text().splitlines()[1:3]
-    path.write_text("\n".join([head, first[:23], first[:23]]))
+    path.write_text("\n".join([head, first[:23]]))
     with pytest.raises(LogError, match="columns: expected all of latitude, longitude, height; found none"):
         read(path)
