@@ -7,7 +7,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from imugap.io.recording import read
+from imugap.io.recording import of_table, read
+from imugap.io.rows import SMALLEST_SAMPLE
 from imugap.log import COLUMNS, LogError, check, from_samples, write
 from imugap.stream import stream
 from imugap.units import to_si
@@ -45,7 +46,7 @@ def attempt(path, repair=False):
         return None
 
 
-finite = st.floats(-30, 30, allow_nan=False, width=64)
+finite = st.floats(-30, 30, width=64).map(lambda value: value if abs(value) >= 1e3 * SMALLEST_SAMPLE else 0.0)
 
 
 @st.composite
@@ -252,3 +253,20 @@ def test_a_bad_parquet_is_named_by_row_and_column(tmp_path, frame, place, found)
 def test_unknown_formats_and_absent_files_are_log_errors(tmp_path, name):
     with pytest.raises(LogError, match=r"no such file|one that ends in \.csv, \.parquet"):
         log_of(tmp_path / name)
+
+
+def test_samples_that_vanish_are_zero():
+    """What a digital filter leaves that runs on behind its input; the powers of it leave the range of a float."""
+    fading = 1e-2 * 0.5 ** np.arange(400.0)
+    table = pd.DataFrame({"time": 0.01 * np.arange(400), "gyro_x": fading})
+    found = of_table(table).table["gyro_x"].to_numpy()
+    np.testing.assert_array_equal(found, np.where(fading >= SMALLEST_SAMPLE, fading, 0.0))
+
+
+def test_rates_beside_forces_that_never_change_have_no_unit_by_gravity():
+    rng = stream(3, "unchanging forces")
+    rates = {f"w{axis}": rng.normal(0, 1, 2000).cumsum() * 0.01 for axis in "xyz"}
+    forces = {"ax": np.zeros(2000), "ay": np.zeros(2000), "az": np.full(2000, 9.80665)}
+    table = pd.DataFrame({"time": 0.01 * np.arange(2000)} | rates | forces)
+    with pytest.raises(LogError, match="unit"):
+        of_table(table)

@@ -377,7 +377,7 @@ def _names(source: Source, settings: RecordingSettings) -> list[str]:
     if settings.columns:
         return list(asked(column_names.chosen, source.heading, source.names, settings.columns))
     if not any(source.names):
-        expected = "a header, or --columns with a name for each column (time gyro_x ..., - for one that is not read)"
+        expected = "a header, or a name for each column (--columns time,gyro_x,... with - for one that is not read)"
         raise LogError(source.path, source.heading, expected, f"{len(source.names)} columns without names")
     return list(source.names)
 

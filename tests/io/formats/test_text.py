@@ -84,7 +84,9 @@ def test_a_trailing_separator_is_no_column(tmp_path):
 def test_a_file_without_a_header_needs_the_names(tmp_path):
     table = samples()
     path = write_text(tmp_path / "imu.txt", None, table, separator=" ")
-    with pytest.raises(LogError, match=r"line 1: expected a header, or --columns .*; found 7 columns without names"):
+    with pytest.raises(
+        LogError, match=r"line 1: expected a header, or a name for each column .*; found 7 columns without names"
+    ):
         read(path)
     found = read(path, RecordingSettings(columns=tuple(NAMES)))
     np.testing.assert_allclose(found.log.to_numpy(), table[:, 1:], rtol=1e-8)

@@ -8,8 +8,6 @@ import codecs
 import csv
 import io
 import re
-import threading
-import weakref
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -23,13 +21,11 @@ import pyarrow.csv
 
 from imugap.io.formats import clock_text
 from imugap.io.formats.source import Source
+from imugap.io.formats.text_blocks import BLOCK_BYTES, blocks
 from imugap.io.recognition.unit_text import looks_like_unit
 from imugap.log import LogError
 
 HEAD_BYTES = 1 << 16
-BLOCK_BYTES = 1 << 20
-PATIENCE = 10.0
-"""Longest wait for the threads of Arrow that read ahead [s]: Python would end while they read, and hang."""
 SAMPLE_ROWS = 200
 FIRST_ROWS = 3
 """Lines of numbers that follow each other at the begin of a table; a line of numbers alone may be of its head."""
@@ -452,26 +448,36 @@ def _read(
         column_types=types, include_columns=list(types), null_values=MISSING, strings_can_be_null=True,
         decimal_point=dialect.decimal,
     )  # fmt: skip
-    reading = pa.csv.ReadOptions(
-        column_names=names, skip_rows=dialect.first, block_size=BLOCK_BYTES, encoding=dialect.encoding
-    )
     parsing = pa.csv.ParseOptions(delimiter=dialect.separator, invalid_row_handler=skip)
-    source, released = _source(path, dialect), threading.Semaphore(0)
-    for called in (source, skip):
-        weakref.finalize(called, released.release)
-    try:
-        with (
-            pa.PythonFile(source, mode="r") as stream,
-            pa.csv.open_csv(stream, reading, parsing, converting) as reader,
-        ):
-            for batch in reader:
-                yield {column: batch.column(str(column)) for column in kinds}
-    except UnicodeDecodeError as error:
-        raise LogError(path, "bytes", f"text in {dialect.encoding}", error.reason) from error.with_traceback(None)
-    finally:
-        source = stream = reader = parsing = skip = called = None
-        all(released.acquire(timeout=PATIENCE) for _ in range(2))
+    skipped = dialect.first
+    for block in _blocks(path, dialect):
+        reading = pa.csv.ReadOptions(
+            use_threads=False, column_names=names, skip_rows=skipped, block_size=len(block) + 1
+        )
+        table = pa.csv.read_csv(pa.BufferReader(block), reading, parsing, converting)
+        yield {column: table.column(str(column)).combine_chunks() for column in kinds}
+        skipped = 0
     pa.default_memory_pool().release_unused()
+
+
+def _blocks(path: Path, dialect: Dialect) -> Iterator[bytes]:
+    """Yield the lines of a text in blocks, without a header that stands again among the rows.
+
+    Where blanks separate the values, blanks and tabs are one blank, and there is none at the ends of lines.
+    """
+    header, head = dialect.header.encode() if dialect.header else None, dialect.first
+    try:
+        for block in blocks(path, dialect.encoding, dialect.end):
+            if header and header in block:
+                lines = enumerate(block.splitlines(keepends=True))
+                block = b"".join(line for k, line in lines if k < head or line.strip() != header)
+            if dialect.separator == " ":
+                block = b"".join(b" ".join(line.split()) + b"\n" for line in block.splitlines())
+            if block.strip():
+                yield block
+            head = 0
+    except UnicodeDecodeError as error:
+        raise LogError(path, "bytes", f"text in {dialect.encoding}", error.reason) from error
 
 
 def _is_whole(dialect: Dialect, column: int) -> bool:
@@ -536,61 +542,6 @@ def _rest(path: Path, end: int) -> bytes:
     with path.open("rb") as handle:
         handle.seek(end)
         return handle.read(EXCERPT).strip(b" \t\x00\x1a")
-
-
-def _source(path: Path, dialect: Dialect) -> "WholeLines":
-    """Return a stream of the whole lines of a text in which one character separates the values."""
-    header = dialect.header.encode(dialect.encoding) if dialect.header and dialect.encoding != "utf-16" else None
-    return WholeLines(path, dialect, header)
-
-
-class WholeLines(io.RawIOBase):
-    """Stream of the lines of a text up to an end, without a header that stands again among them.
-
-    Where blanks separate the values, blanks and tabs are one blank, and there is none at the ends of lines. Bytes that
-    are no text are replaced by a mark, which is in no number.
-    """
-
-    def __init__(self, path: Path, dialect: Dialect, header: bytes | None) -> None:
-        """Open a text with a header in its first lines, or None."""
-        self._source, self._left, self._rest = path.open("rb"), dialect.end, b""
-        self._blanks, self._unicode = dialect.separator == " ", dialect.encoding.startswith("utf-8")
-        self._header, self._head = header, dialect.first
-
-    def readable(self) -> bool:
-        """Return True."""
-        return True
-
-    def read(self, size: int = -1) -> bytes:
-        """Return at most ``size`` bytes."""
-        if not self._rest:
-            block = self._read(BLOCK_BYTES if size < 0 else size)
-            block += self._until_line_end() if block else b""
-            if self._unicode and not block.isascii():
-                block = block.decode(errors="replace").encode()
-            if self._header and self._header in block:
-                lines = enumerate(block.splitlines(keepends=True))
-                block = b"".join(line for k, line in lines if k < self._head or line.strip() != self._header)
-            if self._blanks:
-                block = b"".join(b" ".join(line.split()) + b"\n" for line in block.splitlines())
-            self._rest, self._head = block, 0
-        given, self._rest = (self._rest, b"") if size < 0 else (self._rest[:size], self._rest[size:])
-        return given
-
-    def _read(self, size: int) -> bytes:
-        block = self._source.read(self._left if size < 0 else min(size, self._left))
-        self._left -= len(block)
-        return block
-
-    def _until_line_end(self) -> bytes:
-        line = self._source.readline(self._left)
-        self._left -= len(line)
-        return line
-
-    def close(self) -> None:
-        """Close the text."""
-        self._source.close()
-        super().close()
 
 
 def _diagnosis(path: Path, dialect: Dialect, columns: Sequence[int], cause: str) -> LogError:

@@ -309,10 +309,10 @@ def _by_gravity(gyro: np.ndarray, accel: np.ndarray, rate_hz: float) -> RateEvid
         return None
     change, force, rate = found
     turn = -np.cross(rate, force)
-    common, size = np.sum(change * turn), np.sum(turn**2)
-    if not size > 0:
+    common, size, changed = np.sum(change * turn), np.sum(turn**2), np.sum(change**2)
+    if not (size > 0 and changed > 0):
         return None
-    correlation = abs(common) / np.sqrt(size * np.sum(change**2))
+    correlation = abs(common) / np.sqrt(size * changed)
     slope = abs(common) / size
     for unit in ("rad/s", "deg/s"):
         if correlation > CORRELATED and 1 / NEAR < slope / factor(unit) < NEAR:
