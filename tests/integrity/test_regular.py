@@ -185,7 +185,7 @@ def test_held_values_are_counted_once(rows):
     assert "repeat between samples at 100 Hz" in str(found.remarks[0])
 
 
-@pytest.mark.parametrize("slow", [125.0, 250.0, 320.0])
+@pytest.mark.parametrize("slow", [125.0, 250.0, 320.0, 360.0])
 def test_values_between_slower_samples_are_averaged(slow):
     count = 60000
     whole = at_rest(count, 1 / 400)
@@ -208,6 +208,15 @@ def test_sound_noise_and_vibration_are_neither_held_nor_interpolated(kind, tone)
     if kind == "coarse":
         values = np.round(values * 0.5)
     assert not regular(table(even(200.0), values)).remarks
+
+
+@pytest.mark.parametrize("period", [6.0, 30.0, 55.0, 3000.0])
+@pytest.mark.parametrize("taps", [1, 5])
+def test_motion_that_comes_and_goes_is_not_interpolated(period, taps):
+    beat = np.sin(np.pi * np.arange(COUNT) / period) ** 8
+    values = (0.01 + beat[:, None]) * rng("gait", period).standard_normal((COUNT, 6))
+    values = np.apply_along_axis(np.convolve, 0, values, np.hanning(taps + 2), "same")
+    assert not regular(table(even(100.0), values)).remarks
 
 
 @pytest.mark.parametrize("level", [0.0, 0.3, np.nan])
