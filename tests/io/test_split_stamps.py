@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from tests.io.devices import at_rest, times
 
+from imugap.io.fixes.reading import read as fixes_of
 from imugap.io.recording import RecordingSettings, read, stream
 from imugap.log import AXES, LogError
 
@@ -34,6 +35,7 @@ PARTS = {
     ),
     "year,month,day,hour,minute,second": lambda k: moment(k).strftime("%Y,%m,%d,%H,%M,%S.%f"),
     "timestamp,timestamp_ms": lambda k: f"{1_000_000_000 + k // 100},{10 * (k % 100)}",
+    "stamp_sec_imu,stamp_nsec_imu": lambda k: f"{since(k) // 10**9},{since(k) % 10**9}",
     "Date,Time": lambda k: moment(k).strftime("%Y-%m-%d,%H:%M:%S.%f"),
 }
 
@@ -69,3 +71,38 @@ def test_times_of_day_as_numbers_are_refused(tmp_path):
         LogError, match="column time: expected seconds, or times of day as HH:MM:SS; found numbers HHMMSS"
     ):
         read(path, SETTINGS)
+
+
+def test_a_clock_in_the_numbers_of_a_day_gives_way_to_one_that_runs(tmp_path):
+    path = written(
+        tmp_path / "run.csv", "time,millis", lambda k: f"{moment(k // 10 * 10).strftime('%H%M%S%f')[:9]},{10 * k}"
+    )
+    found = read(path, SETTINGS)
+    np.testing.assert_allclose(found.log.index, times(COUNT), atol=1e-9)
+
+
+def of_two_sensors(path):
+    """Every 100th row holds a fix with stamps of its own, and no sample."""
+    rows = []
+    for k in range(COUNT):
+        if k % 100 == 0:
+            ahead = since(k) + 3_000_000
+            rows.append(f"{ahead // 10**9},{ahead % 10**9},,,{48 + 1e-6 * k},11.5,500" + "," * len(AXES))
+        samples = ",".join(f"{value:.9g}" for value in SAMPLES[k])
+        rows.append(f",,{since(k) // 10**9},{since(k) % 10**9},,,,{samples}")
+    header = "stamp_sec_gps,stamp_nsec_gps,stamp_sec_imu,stamp_nsec_imu,latitude,longitude,altitude"
+    path.write_text("\n".join([f"{header},{','.join(AXES)}", *rows, ""]))
+    return path
+
+
+def test_of_two_sensors_in_one_file_each_has_its_rows_and_stamps(tmp_path):
+    path = of_two_sensors(tmp_path / "run.csv")
+    found = read(path, SETTINGS)
+    np.testing.assert_allclose(found.log.index - since(0) / 1e9, times(COUNT), atol=2e-6)
+    np.testing.assert_allclose(found.log.to_numpy(), SAMPLES, rtol=1e-8)
+    assert "12 rows without stamp and sample: left out" in found.recognised
+    streamed = np.concatenate([part.index.to_numpy() for part in stream(path, SETTINGS)[1]])
+    np.testing.assert_array_equal(streamed, found.log.index)
+    fixes = fixes_of(path)
+    np.testing.assert_allclose(fixes.fixes.index - since(0) / 1e9, 0.003 + np.arange(12), atol=2e-6)
+    assert f"{COUNT} rows without a fix: left out" in fixes.recognised

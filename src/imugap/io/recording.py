@@ -35,6 +35,7 @@ from imugap.io.recognition.settings import DEFAULTS, RecordingSettings
 from imugap.io.rows import (
     advances,
     by_stamps,
+    of_sensor,
     require_numbers,
     require_order,
     require_range,
@@ -240,6 +241,10 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
     source, selection = _of_rows(source, selection, settings)
     block, raw = source.load(selection.places, selection.stamp)
     columns = list(selection.assignment.columns)
+    if raw is not None and not (kept := of_sensor(block, raw)).all():
+        block, raw = block[:, kept], raw[kept]
+        rest = f"{np.count_nonzero(~kept)} rows without stamp and sample: left out"
+        source = replace(source, place=_place_of(source, np.flatnonzero(kept)), notes=(*source.notes, rest))
     vanish(block)
     filled = _filled(_without_filler(block, selection), source)
     sorted_rows = None if raw is None else by_stamps(raw)
@@ -366,10 +371,11 @@ def _parts(source: Source, selection: Selection, found: Conversion) -> Iterator[
         values = dict(zip(columns, block, strict=True))
         stamped = {} if raw is None else {TIME: raw}
         require_range(stamped | values, source.path, lambda number, first=row: source.place(first + number))
+        kept = slice(None) if raw is None else of_sensor(block, raw)
         time = raw if source.canonical else found.apply(values, raw, row)
         row += block.shape[1]
-        values = {name: column for name, column in values.items() if name not in found.without}
-        yield pd.DataFrame(values, index=pd.Index(time, name=TIME))
+        values = {name: column[kept] for name, column in values.items() if name not in found.without}
+        yield pd.DataFrame(values, index=pd.Index(time[kept], name=TIME))
 
 
 def _names(source: Source, settings: RecordingSettings) -> list[str]:
@@ -400,7 +406,8 @@ def _time_column(source: Source, names: list[str], assignment: Assignment, setti
     """Return the position of the column of stamps, None where ``--rate`` or a rate in the file stands for it."""
     if settings.rate_hz:
         return None
-    places = [names.index(name) for name in ((TIME,) if TIME in names else assignment.times)]
+    others = [name for name in assignment.times if name != TIME]
+    places = [names.index(name) for name in (*[TIME] * (TIME in names), *others)]
     places = places or [place for place in source.clocks if names[place] != SKIP]
     if not places and source.rate:
         return None
@@ -411,7 +418,7 @@ def _time_column(source: Source, names: list[str], assignment: Assignment, setti
             source.path, source.heading, "stamps (--columns time=NAME), or the rate of the samples (--rate HZ)", found
         )
     found = [_first_stamps(source, place) for place in places] if len(places) > 1 or source.rate else [None]
-    steady = [values is None or stamps.advances(values) for values in found]
+    steady = [values is None or stamps.run(values) for values in found]
     if source.rate and all(values is not None and not np.isfinite(values).any() for values in found):
         return None
     return places[steady.index(True) if True in steady else 0]

@@ -74,6 +74,19 @@ def require_numbers(table: pd.DataFrame, path: Path, place: Callable[[int], str]
         raise LogError(path, f"{place(int(rows[0]))}, column {table.columns[columns[0]]}", "a finite number", found)
 
 
+def of_sensor(block: np.ndarray, raw: np.ndarray) -> np.ndarray:
+    """Return the mask of rows, shape (n,), with a stamp or a sample: the others hold those of another sensor.
+
+    Parameters
+    ----------
+    block
+        Samples, shape (columns, n), NaN where there is none.
+    raw
+        Stamps, shape (n,).
+    """
+    return np.isfinite(raw) | np.isfinite(block).any(axis=0)
+
+
 def without_filler(block: np.ndarray, inertial: Sequence[int]) -> np.ndarray:
     """Write NaN where all axes hold one number but zero, as loggers write it for no sample; return these rows.
 

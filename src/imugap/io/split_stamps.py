@@ -8,7 +8,7 @@ import pyarrow as pa
 
 from imugap.io.formats import clock_text
 from imugap.io.formats.source import Source
-from imugap.io.recognition.column_names import parts_of
+from imugap.io.recognition.column_names import OF_HOST, parts_of
 from imugap.log import LogError
 
 WEEK = 604_800_000_000_000
@@ -32,6 +32,8 @@ CLOCK = frozenset(["time", "stamp", "timestamp", "epoch"])
 """Words of a column of whole seconds that may name no unit."""
 DATE, OF_DAY = frozenset(["date"]), frozenset(["time", "clock", "tod"])
 """Words of a column of dates, and of one of times of day."""
+RECEIVER = frozenset(["gps", "gnss"])
+"""Words of stamps of a receiver."""
 CALENDAR = ("year", "month", "day")
 ROWS = 2000
 NAME = "stamp [ns]"
@@ -41,8 +43,11 @@ Join = Callable[[Sequence[np.ndarray]], np.ndarray]
 """From parts of stamps, shape (n,) each, the stamps [ns]."""
 
 
-def with_stamps(source: Source) -> Source:
-    """Return a source with one column of stamps in place of several that are its parts."""
+def with_stamps(source: Source, receiver: bool = False) -> Source:
+    """Return a source with one column of stamps in place of several that are its parts.
+
+    Of several stamps it is that of the sensor, or that of the ``receiver``.
+    """
     dated = _dated(source)
     if dated is not None:
         order = _order(source, dated[0])
@@ -50,7 +55,7 @@ def with_stamps(source: Source) -> Source:
             source, notes=(*source.notes, order.sentence(source.names[dated[0]]))
         )  # fmt: skip
         return _joined(source, dated, lambda parts: _of_texts(parts, order), source.texts)
-    found = _split(source)
+    found = _split(source, receiver)
     if not found:
         return source
     sizes, places = zip(*found, strict=True)
@@ -75,18 +80,21 @@ def _dated(source: Source) -> tuple[int, int] | None:
     return (dates[0], times[0]) if dates[0] != times[0] and len(are_dated) and all(are_dated) else None
 
 
-def _split(source: Source) -> list[tuple[int, int]]:
+def _split(source: Source, receiver: bool) -> list[tuple[int, int]]:
     """Return the size [ns] and position of the parts of a stamp, the coarsest first; none where there is one part.
 
     The values of a part are less than one of the part before, which is whole.
     """
-    groups: dict[str, dict[int, int]] = {}
+    stamps: dict[tuple[str, ...], dict[int, int]] = {}
     for place, name in enumerate(source.names):
         words, unit = parts_of(name)
         sizes = [PART[word] for word in (*words, unit) if word in PART] or [PART["s"]] * bool(CLOCK & {*words})
-        if sizes and {word for word in words if word not in PART} <= OTHER_WORDS:
-            groups.setdefault(name.rpartition(".")[0], {}).setdefault(min(sizes), place)
-    found = (_bounded(source, sorted(parts.items(), reverse=True)) for parts in groups.values() if len(parts) > 1)
+        others = sorted({*words} - {*PART} - OTHER_WORDS)
+        if sizes and (not others or CLOCK & {*words}):
+            rank = not RECEIVER & {*words} if receiver else len(OF_HOST & {*words})
+            stamps.setdefault((rank, name.rpartition(".")[0], *others), {}).setdefault(min(sizes), place)
+    several = sorted((one for one in stamps.items() if len(one[1]) > 1), key=lambda one: one[0][0])
+    found = (_bounded(source, sorted(parts.items(), reverse=True)) for _, parts in several)
     return next(filter(None, found), [])
 
 
@@ -106,13 +114,17 @@ def _days(parts: Sequence[np.ndarray]) -> np.ndarray | int:
 
 
 def _bounded(source: Source, parts: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Return the parts from the coarsest on of which each is less than one of the part before; none where it is one."""
+    """Return the parts from the coarsest on of which each is less than one of the part before; none where it is one.
+
+    Rows of another sensor lack them.
+    """
     try:
-        values = [one.astype(float) for one in source.head([place for _, place in parts], ROWS)]
+        values = np.array([one.astype(float) for one in source.head([place for _, place in parts], ROWS)])
     except LogError:
         return []
+    values = values[:, np.isfinite(values).all(axis=0)]
     kept = [0]
-    for k in range(1, len(parts)):
+    for k in range(1, len(parts) if values.size else 0):
         whole = bool((values[kept[-1]] == np.rint(values[kept[-1]])).all())
         if whole and values[k].min() >= 0 and values[k].max() * parts[k][0] < parts[kept[-1]][0] + parts[k][0]:
             kept.append(k)

@@ -346,3 +346,11 @@ def test_a_solution_that_ends_within_its_first_row_is_refused(tmp_path):
     path.write_text("\n".join([head, first[:23]]))
     with pytest.raises(LogError, match="columns: expected all of latitude, longitude, height; found none"):
         read(path)
+
+
+def test_times_of_day_as_numbers_are_no_stamps_of_fixes(tmp_path):
+    rows = [f"{100_000 + 100 * (k // 60) + k % 60},{k},48.1,{11 + 1e-5 * k},500" for k in range(200)]
+    with pytest.raises(LogError, match=r"column time: expected seconds, or times of day .* found numbers HHMMSS"):
+        read(text(tmp_path / "fixes.csv", "time,fix,latitude,longitude,height", *rows))
+    found = read(text(tmp_path / "beside.csv", "time,elapsed_s,latitude,longitude,height", *rows))
+    np.testing.assert_allclose(found.fixes.index, np.arange(200))

@@ -228,3 +228,9 @@ def test_of_accelerations_with_and_without_gravity_those_with_it_are_taken():
 
 def test_letters_without_a_rate_are_angles():
     assert set(assign(["t", "alpha", "beta", "gamma", *triad("acc{0}")]).columns) == set(ACCEL)
+
+
+@pytest.mark.parametrize("form", ["{}rate", "{}_rate", "{}Rate", "{}rate_rad_s", "gyro {} rate [rad/s]"])
+def test_rates_are_named_by_the_angle_that_they_turn(form):
+    found = assign(["time", *(form.format(one) for one in ("roll", "pitch", "yaw")), "roll", "pitch", "yaw"])
+    assert found.columns == {axis: form.format(one) for axis, one in zip(GYRO, ("roll", "pitch", "yaw"), strict=True)}

@@ -115,3 +115,10 @@ def test_numbers_of_a_clock_go_from_59_s_to_the_next_minute():
     hhmmss = [100_000 + 100 * (k // 60) + k % 60 for k in range(200)]
     assert are_clock_numbers(np.array(hhmmss))
     assert not are_clock_numbers(np.random.default_rng(1).permutation(6000) / 100)
+
+
+@pytest.mark.parametrize("parts", [10, 100, 1000])
+def test_numbers_of_a_clock_may_hold_the_parts_of_a_second(parts):
+    hhmmss = [(100_000 + 100 * (k // 60) + k % 60) * parts for k in range(200)]
+    assert are_clock_numbers(np.array(hhmmss))
+    assert not are_clock_numbers(100_000 * parts + np.arange(200) * parts // 10)

@@ -49,17 +49,21 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def decode(path: Path, settings: ReceiverSettings) -> Decoded:
     """Return the fixes of a table; LogError where a column is missing."""
-    source = with_stamps(catalogue.open_source(path, RecordingSettings(topic=settings.topic)))
+    source = with_stamps(catalogue.open_source(path, RecordingSettings(topic=settings.topic)), receiver=True)
     if settings.topic is not None and source.topic is None:
         source = source.group(settings.topic)
     names = source.names if any(source.names) else _nameless(source)
     known = _known(source, names)
-    time = _time(names, known)
+    time = _time(source, names, known)
     missing = [column for column in (TIME, *gnss.PLACE) if column not in (*known.values(), time and TIME)]
     if missing:
         expected = f"all of {', '.join(gnss.PLACE)} [deg, deg, m], and time [s]"
         raise LogError(path, source.heading, expected, _nearest(names, known))
     block, raw = source.load([names.index(name) for name in known], names.index(time))
+    count = len(raw)
+    block, raw, rows = _of_receiver(block, raw)
+    if stamps.are_clock_numbers(raw):
+        raise LogError(path, f"column {time}", "seconds, or times of day as HH:MM:SS", "numbers HHMMSS")
     stated = column_names.stated_unit(time)
     unit = stated or _unit(raw)
     seconds = pd.Index(stamps.seconds(raw, factor(unit)), name=TIME)
@@ -76,11 +80,18 @@ def decode(path: Path, settings: ReceiverSettings) -> Decoded:
     others = [name for name in names if name and name not in known and name != time]
     for column, name, letters in _hemispheres(source, names, tuple(others)):
         _, below = HEMISPHERES[column]
-        table.loc[letters == below, column] = -table.loc[letters == below, column].abs()
+        table.loc[letters[rows] == below, column] = -table.loc[letters[rows] == below, column].abs()
         others.remove(name)
         notes.append(f"sign of {column} from {name}")
     notes += [f"left out {', '.join(others)[:120]}"] if others else []
-    return Decoded(table, tuple(notes), source.place)
+    notes += [f"{count - len(rows)} rows without a fix: left out"] if len(rows) < count else []
+    return Decoded(table, tuple(notes), lambda row: source.place(int(rows[row])))
+
+
+def _of_receiver(block: np.ndarray, raw: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the columns, shape (columns, m), and stamps of the rows that hold anything of a fix, and their numbers."""
+    rows = np.flatnonzero(np.isfinite(block).any(axis=0))
+    return (block, raw, rows) if len(rows) == len(raw) else (block[:, rows], raw[rows], rows)
 
 
 def _convert(table: pd.DataFrame, names: dict[str, str], angles: str | None) -> list[str]:
@@ -137,11 +148,19 @@ def _plain(name: str) -> str:
     return "".join(one for one in base.lower() if one.isalpha())
 
 
-def _time(names: tuple[str, ...], known: dict[str, str]) -> str | None:
-    """Return the name of the column of stamps: ``time``, or the plainest that names a time."""
-    if TIME in names:
-        return TIME
-    return next(iter(column_names.assign([name for name in names if name not in known]).times), None)
+def _time(source: Source, names: tuple[str, ...], known: dict[str, str]) -> str | None:
+    """Return the name of the column of stamps: of ``time`` and the others that name a time, the first that is one."""
+    others = column_names.assign([name for name in names if name not in (*known, TIME)]).times
+    candidates = (*[TIME] * (TIME in names), *others)
+    return next((name for name in candidates[:-1] if _runs(source, names.index(name))), (None, *candidates)[-1])
+
+
+def _runs(source: Source, column: int) -> bool:
+    """Return whether a column holds stamps that advance."""
+    try:
+        return stamps.run(source.head([column], ROWS)[0].astype(float))
+    except LogError:
+        return False
 
 
 def _hemispheres(

@@ -8,6 +8,7 @@ with the plainest name is taken.
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 from imugap import spelling
 from imugap.io.recognition.unit_text import (
@@ -86,6 +87,7 @@ BODY_RATES = ("p", "q", "r")
 """Rates of roll, pitch and yaw, as flight dynamics names them."""
 COMPACT = re.compile(r"(gyroscope|gyros|gyro|gyr|acceleration|accel|accs|acc|omega|ac|gy|gf|w|a|g|f)([xyz])")
 AXIS_FIRST = re.compile(r"([xyz])(gyroscope|gyros|gyro|gyr|acceleration|accel|accl|accs|acc|mag)")
+COMPACT_FLIGHT = re.compile(rf"({'|'.join(FLIGHT)})(rate)")
 COMPACT_DELTA = re.compile(rf"(delta|del|d|inc)({'|'.join(DELTAS)})([xyz]?)")
 COUNTED = ("lsb", "lsbs", "counts")
 """Last words of the names of counts."""
@@ -181,8 +183,9 @@ def meaning(name: str) -> Meaning | None:
     words = words_of(base)
     if set(words) > ROTATION_RATE and words[-1] in GREEK:
         words, unit = [*words[:-1], GREEK[words[-1]]], unit or "deg/s"
-    if len(words) > 1 and words[-1] == "rate" and words[-2] in FLIGHT:
-        words = [*words[:-2], "rate", FLIGHT[words[-2]]]
+    turning = next((k for k, pair in enumerate(pairwise(words)) if pair[0] in FLIGHT and pair[1] == "rate"), None)
+    if turning is not None:
+        words = [*words[:turning], "rate", FLIGHT[words[turning]], *words[turning + 2 :]]
     axis = next((word for known in (LETTERS, AXES) for word in reversed(words) if word in known), None)
     if axis is not None:
         place = len(words) - 1 - words[::-1].index(axis)
@@ -367,8 +370,9 @@ def words_of(base: str) -> list[str]:
 
 
 def _compact(word: str) -> list[str]:
-    """Return the quantity, or the words of an increment, and the axis that a word is made of; none if of none."""
-    found = COMPACT.fullmatch(word) or AXIS_FIRST.fullmatch(word) or COMPACT_DELTA.fullmatch(word)
+    """Return the words that a word is made of: quantity and axis, an angle and its rate; none if of none."""
+    forms = (COMPACT, AXIS_FIRST, COMPACT_FLIGHT, COMPACT_DELTA)
+    found = next(filter(None, (form.fullmatch(word) for form in forms)), None)
     return [part for part in found.groups() if part] if found else []
 
 

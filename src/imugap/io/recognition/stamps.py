@@ -33,6 +33,8 @@ MINUTE, CENTURY, DAY_NUMBER = 60, 100, 240_000
 """Seconds of a minute, what a minute counts in HHMMSS, and the end of the day in it."""
 CARRIED = (41, 4041, -235_959)
 """What follows 59 s in HHMMSS is larger by: the next minute, the next hour, the next day."""
+PARTS = (1, 10, 100, 1000)
+"""Parts of a second in which times of day may be counted, such as the milliseconds of HHMMSSmmm."""
 MOST = 0.3
 """Share of the stamps that advance, in a column of stamps: they may repeat in bursts."""
 
@@ -115,11 +117,18 @@ def require_possible(time: np.ndarray, unit: str) -> None:
 
 
 def are_clock_numbers(time: np.ndarray) -> bool:
-    """Return whether stamps, shape (n,), are times of day as numbers, HHMMSS: 59 s is followed by the next minute."""
+    """Return whether stamps, shape (n,), are times of day as numbers, HHMMSS or with the parts of the second behind it.
+
+    59 s is followed by the next minute.
+    """
     finite = time[:ROWS][np.isfinite(time[:ROWS].astype(float))].astype(float)
-    if len(finite) < FEWEST or (np.floor(finite) % CENTURY >= MINUTE).any() or not (finite < DAY_NUMBER).all():
+    return len(finite) >= FEWEST and any(_carries(np.floor(finite / parts)) for parts in PARTS)
+
+
+def _carries(whole: np.ndarray) -> bool:
+    """Return whether whole numbers, shape (n,), count as HHMMSS does."""
+    if (whole % CENTURY >= MINUTE).any() or not (whole < DAY_NUMBER).all():
         return False
-    whole = np.floor(finite)
     carried = (whole[:-1] % CENTURY == MINUTE - 1) & np.isin(np.diff(whole), CARRIED)
     return bool(carried.any())
 
@@ -134,3 +143,8 @@ def advances(time: np.ndarray) -> bool:
     """Return whether most of the stamps, shape (n,), exceed the one before."""
     steps = np.diff(time[np.isfinite(time.astype(float))])
     return bool(len(steps) and np.mean(steps > 0) > MOST)
+
+
+def run(time: np.ndarray) -> bool:
+    """Return whether numbers, shape (n,), are stamps that advance, and no times of day as numbers."""
+    return advances(time) and not are_clock_numbers(time)
