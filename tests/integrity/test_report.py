@@ -152,6 +152,16 @@ def test_a_sinusoid_dwells_at_its_extremes_but_is_not_clipped():
     assert axis(rounded(np.clip(1.5 * swing, -1, 1), 0.05)).saturated
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+def test_clipping_of_rare_peaks_is_found_where_few_values_are_near(sign):
+    """As of a foot that swings for a second and strikes for a moment."""
+    strikes = np.arange(40) * 100
+    values = np.rint(2000 * noise("swing")[:4000])
+    values[strikes] = np.rint(30_000 + 20_000 * np.abs(noise("strike")[:40]))
+    assert not axis(sign * values).saturated
+    assert axis(sign * np.minimum(values, 32_767)).saturated
+
+
 def test_a_knock_is_one_event_of_all_axes_and_drift_is_none():
     samples = {name: noise("knock", name) + 1e-3 * np.arange(COUNT) for name in ("gyro_x", "accel_z")}
     ring = np.exp(-np.arange(30) / 10) * np.cos(np.arange(30))

@@ -20,7 +20,8 @@ HIGH_PASS_S = 1.0
 GRAVITY_RATIO = 1.25
 MAD_TO_SD = 1.482602218505602
 ROUND_OFF = (2e-7, 1e-13)  # of single floats, of doubles after unit conversion, relative to the largest value
-SINUSOID_EDGE = 2**-0.5  # share of the last of the last two levels
+EDGES = (2, 5)
+"""Outermost levels among which the last one may hold too many samples: of few samples near it, more levels tell."""
 
 
 @dataclass(frozen=True)
@@ -219,12 +220,13 @@ def clipped(counts: np.ndarray) -> bool:
     """Return whether the lowest or the highest level holds too many samples for an unclipped signal.
 
     ``counts``, shape (m,), are those of the sorted levels. The largest mass at an unclipped edge is that of a sinusoid,
-    whose last level has 1 + sqrt(2) times the mass of the last but one. False for fewer than 5 levels.
+    whose last level has 1 / sqrt(k) of the mass of the last k, and more levels are nearer to it only where some are
+    empty. False for fewer than 5 levels.
     """
-    if len(counts) < 5:
+    if len(counts) < max(EDGES):
         return False
-    edges, inner = counts[[0, -1]], counts[[1, -2]]
-    return bool(bdtrc(edges - 1, edges + inner, SINUSOID_EDGE).min() < IMPROBABLE)
+    ends = counts, counts[::-1]
+    return any(bdtrc(end[0] - 1, end[:k].sum(), k**-0.5) < IMPROBABLE for end in ends for k in EDGES)
 
 
 def outlier_scores(values: np.ndarray, interval_s: float | None, step: float | None = None) -> np.ndarray:
