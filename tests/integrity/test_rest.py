@@ -55,6 +55,15 @@ def test_gaps_are_no_motion(still, rate):
     assert motion(holed, 1 / rate).at_rest
 
 
+def test_a_gap_is_no_rest_to_cut_a_log_to(still, rate):
+    second = round(rate)
+    moved = still + (np.arange(len(still)) > 300 * second)[:, None] * np.sin(np.arange(len(still)) / rate)[:, None]
+    moved.iloc[10 * second : 280 * second] = np.nan
+    found = motion(moved, 1 / rate)
+    assert found.mostly
+    np.testing.assert_allclose(found.longest_rest, (280, 300), atol=2)
+
+
 def test_a_log_in_motion_throughout_is_one(rate):
     log = at_rest(rate, GRADES["good"])
     swing = np.sin(2 * np.pi * 0.9 * log.index.to_numpy()[:, None] + np.arange(6)) * SIZES
@@ -73,5 +82,8 @@ def test_gravity_is_opposite_to_the_specific_force(axis, value, down):
     assert angle < 0.01
 
 
-def test_the_vertical_needs_three_accelerometers():
+def test_the_vertical_needs_three_accelerometers_and_gravity():
+    weightless = at_rest(100.0, GRADES["good"], 10)
+    weightless["accel_z"] += 9.7
+    assert vertical(weightless) is None
     assert vertical(at_rest(100.0, GRADES["good"], 10)[["gyro_x", "accel_z"]]) is None

@@ -118,6 +118,14 @@ def test_noisy_and_shaken_devices_are_taken_without_a_word(tmp_path):
     assert read(written(tmp_path, samples)).recognised == ()
 
 
+def test_axes_without_gravity_stay_as_they_are(tmp_path):
+    samples = at_rest(up=(0, 0.015, 0))
+    found = read(written(tmp_path, samples))
+    assert found.weightless
+    assert not any("turned" in one for one in found.recognised)
+    np.testing.assert_allclose(found.table.to_numpy(), samples, rtol=1e-8)
+
+
 def test_stamps_may_be_missing_where_the_rate_is_given(tmp_path):
     samples = at_rest(up=(0, 0, -1))
     path = write_text(tmp_path / "gyro.csv", [f"gyro_{a} (deg/s)" for a in "xyz"], np.degrees(samples[:, :3]))

@@ -48,8 +48,6 @@ NEXT = {
 """Next step where a finding makes a command useless."""
 GRAVITY_TOLERANCE = 0.03
 """Relative difference of the mean specific force at rest from gravity that scale-factor errors do not reach."""
-GRAVITY_LEAST = 0.2
-"""Norm of the specific force, in gravity, below which gravity is not in it."""
 COARSE = 2.0
 """Step of the lattice over the noise from which it says little of it."""
 SHIFTS = range(3, 17)
@@ -169,7 +167,7 @@ def _of_gravity(regular: Regular, motion: rest.Motion) -> Iterable[CheckedFault]
         return
     mean = {name: float(np.nanmedian(regular.samples[name].values)) for name in ACCEL}
     norm = float(np.linalg.norm(list(mean.values())))
-    if norm < GRAVITY_LEAST * STANDARD_GRAVITY:
+    if norm < rest.GRAVITY_LEAST * STANDARD_GRAVITY:
         shifted = (f"or has {name} 1/{2**bits} of its scale?" for name, bits in _shifted(mean))
         why = " ".join(["removed by the driver?", *shifted])
         text = f"the specific force, {norm:.3g} m/s^2, is without gravity: {why}"

@@ -10,6 +10,7 @@ from scipy.ndimage import median_filter
 
 from imugap.log import ACCEL, GYRO
 from imugap.numerics.samples.runs import runs_of
+from imugap.units import STANDARD_GRAVITY
 
 WINDOW_S = 1.0
 """Length of a window [s]."""
@@ -27,21 +28,27 @@ NEXT_S = 5.0
 """Time between motions that are one [s]."""
 MOSTLY = 0.5
 """Share of the time in motion above which a log is one of a device in motion."""
+GRAVITY_LEAST = 0.2
+"""Norm of the specific force, in gravity, below which gravity is not in it."""
 ALIGNED = 0.9
 """Cosine of the largest angle of an axis from the vertical at which it is named."""
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Motion of a device: ``moving`` of each window, shape (m,), and the ``begin`` of the windows [s]."""
+    """Motion of a device: ``moving`` and ``known`` of each window, shape (m,), and the ``begin`` of the windows [s].
+
+    A window without a sample is not known, and neither rest nor motion.
+    """
 
     moving: np.ndarray
+    known: np.ndarray
     begin: np.ndarray
 
     @property
     def share(self) -> float:
-        """Return the share of the time in motion."""
-        return float(np.mean(self.moving)) if len(self.moving) else 0.0
+        """Return the share of the known time in motion."""
+        return float(np.mean(self.moving[self.known])) if self.known.any() else 0.0
 
     @property
     def at_rest(self) -> bool:
@@ -60,8 +67,8 @@ class Motion:
 
     @property
     def longest_rest(self) -> tuple[float, float]:
-        """Return begin and end of the longest time without motion [s]; equal if there is none."""
-        rests = _stretches(~self.moving, self.begin)
+        """Return begin and end of the longest known time without motion [s]; equal if there is none."""
+        rests = _stretches(~self.moving & self.known, self.begin)
         return max(rests, key=lambda one: one[1] - one[0], default=(0.0, 0.0))
 
 
@@ -73,9 +80,9 @@ def motion(log: pd.DataFrame, interval: float) -> Motion:
     """
     width = max(round(WINDOW_S / interval), 1)
     count = len(log) // width
-    moving = np.zeros(count, bool)
+    moving, some = np.zeros(count, bool), np.zeros(count, bool)
     if count < 2:
-        return Motion(moving, np.zeros(count))
+        return Motion(moving, some, np.zeros(count))
     for triad, moved in MOVED.items():
         for name in (name for name in triad if name in log):
             values = log[name].to_numpy(float)[: count * width].reshape(count, width)
@@ -83,6 +90,7 @@ def motion(log: pd.DataFrame, interval: float) -> Motion:
             number = np.maximum(present.sum(axis=1), 1)
             means = np.where(present, values, 0.0).sum(axis=1) / number
             known = present.any(axis=1)
+            some |= known
             if np.count_nonzero(known) < 2:
                 continue
             means = np.interp(np.arange(count), np.flatnonzero(known), means[known])
@@ -92,7 +100,7 @@ def motion(log: pd.DataFrame, interval: float) -> Motion:
             limit = max(moved, SCATTER * usual / np.sqrt(width)) if usual < moved * np.sqrt(width) else moved
             moving |= known & ((away > limit) | ((spread > SHAKEN * usual) & (spread > moved)))
     moving = _without_brief(moving)
-    return Motion(moving, float(log.index[0]) + width * interval * np.arange(count + 1)[:-1])
+    return Motion(moving, some, float(log.index[0]) + width * interval * np.arange(count + 1)[:-1])
 
 
 def departure(log: pd.DataFrame) -> float:
@@ -113,13 +121,13 @@ def vertical(log: pd.DataFrame) -> tuple[str, float] | None:
     """Return the axis along which gravity points, with its sign, as ``-z``, and the angle from it [rad].
 
     The specific force at rest is opposite to gravity: a device with z down reads a negative z. None without three
-    accelerometers.
+    accelerometers, and without gravity in them.
     """
     if not set(ACCEL) <= set(log.columns):
         return None
     mean = np.nanmedian(log[list(ACCEL)].to_numpy(float), axis=0)
     norm = float(np.linalg.norm(mean))
-    if not norm > 0:
+    if not norm >= GRAVITY_LEAST * STANDARD_GRAVITY:
         return None
     at = int(np.argmax(np.abs(mean)))
     return f"{'-' if mean[at] > 0 else '+'}{'xyz'[at]}", float(np.arccos(min(abs(mean[at]) / norm, 1.0)))

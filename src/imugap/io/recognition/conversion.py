@@ -133,7 +133,7 @@ def conversion(
             sentences.append(unit.sentence(TEMPERATURE))
         elif unit.evidence is None and not contract:
             sentences.append("temperature taken as degC")
-    axes, words = _frame(force, settings)
+    axes, words = _frame(None if weightless else force, settings)
     sizes = {name: size * scales.get(name, 1.0) for name, size in sizes.items()}
     return Conversion(rate, time_unit, sizes, axes, (*said, *sentences, *mixed, *words), weightless, offsets, without)
 
