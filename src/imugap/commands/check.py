@@ -16,8 +16,8 @@ FILES = ("report.html", "inputs.json", "facts.json")
 """Files of the folder."""
 SMALLEST_STEP = 1e-6
 """Step of a lattice, relative to the range of the values, below which it is that of the file."""
-WIDTH = 100
-"""Columns of a line."""
+WIDTH, COLUMN = 100, 10
+"""Columns of a line, and of a consequence in it."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -66,11 +66,11 @@ def shown(found: RecordingCheck) -> str:
     lines = wrap(f"{found.source}: {found.verdict}", WIDTH, subsequent_indent="  ")
     if not found.findings:
         return "\n".join(lines)
-    width = WIDTH - 9 * len(COMMANDS)
-    lines += ["", "finding".ljust(width) + "".join(name.rjust(9) for name in COMMANDS)]
+    width = WIDTH - COLUMN * len(COMMANDS)
+    lines += ["", "finding".ljust(width) + "".join(name.rjust(COLUMN) for name in COMMANDS)]
     for one in found.findings:
         first, *others = wrap(one.text, width - 1)
-        lines.append((first.ljust(width) + "".join((text or "-").rjust(9) for text in one.consequences)).rstrip())
+        lines.append((first.ljust(width) + "".join((text or "-").rjust(COLUMN) for text in one.consequences)).rstrip())
         lines += [f"  {other}" for other in others]
     shown_as = {"axis": "axis", "nan": "lost", "minimum": "least", "maximum": "most", "lattice": "step"}
     table = pd.DataFrame(found.facts["axes"])[list(shown_as)].rename(columns=shown_as)

@@ -49,3 +49,15 @@ def test_a_line_with_other_labels_is_refused_with_its_number(tmp_path):
     path.write_text("".join(lines))
     with pytest.raises(LogError, match=r"line 401: expected the labels t, ax, ay"):
         read(path, AS_IS)
+
+
+def test_messages_may_stand_between_the_records(tmp_path):
+    found = read(written(tmp_path / "run.txt", f"Calibration status: sys 3, gyro 3, accel 0\n{BY_LINE}"), AS_IS)
+    np.testing.assert_allclose(found.log.iloc[:, :6].to_numpy(), at_rest(COUNT), atol=1e-7)
+
+
+def test_a_text_of_messages_alone_is_refused_with_the_first(tmp_path):
+    path = tmp_path / "run.txt"
+    path.write_text("Calibration status: sys 3, gyro 3\nready, waiting\n" * 9)
+    with pytest.raises(LogError, match=r"line 2: expected rows of numbers, .* found 'ready, waiting'"):
+        read(path)

@@ -22,8 +22,8 @@ PAIR = re.compile(rf"([A-Za-z][\w./²^-]*(?: [A-Za-z][\w./²^-]*)?)\s*[:=]\s*({N
 """A label of one or two words, and its number."""
 UNIT = re.compile(rf"[:=]\s*{NUMBER}\s+([^\s,;:=]+)\s*$")
 """The unit behind the last number of a line."""
-SHARE = 0.5
-"""Share of the lines at the begin that hold such pairs."""
+SHARE = 0.3
+"""Share of the lines at the begin that hold such pairs; messages may stand between the records."""
 BATCH = 20_000
 """Records in a batch."""
 

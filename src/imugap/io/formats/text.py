@@ -265,15 +265,19 @@ def sniff(path: Path) -> Dialect:
 
 
 def _no_rows(path: Path, lines: list[str]) -> LogError:
-    """Return the error of a text without rows of numbers: its first cell that is a value and no number."""
-    for number, line in enumerate(lines, 1):
-        if line.lstrip().startswith(COMMENT):
-            continue
+    """Return the error of a text without rows of numbers: its first cell that is a value and no number, or its rows."""
+    told = [
+        (number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith(COMMENT)
+    ]
+    for number, line in told:
         cells = next((cells for mark in SEPARATORS if len(cells := _cells(line, mark)) > 1), [])
         cell = next((one for one in cells if VALUE.match(one) and not _is_number(one)), None)
         if cell is not None:
             step = next((step for form, step in STEPS.items() if re.search(form, cell)), "write decimal numbers")
             return LogError(path, f"line {number}", f"rows of numbers ({step})", f"{cell[:EXCERPT]!r}")
+    if len(told) > 1:
+        number, line = told[1]
+        return LogError(path, f"line {number}", "rows of numbers, below a line of names", repr(line.strip()[:EXCERPT]))
     return LogError(path, "rows", "at least 2 samples", "0")
 
 
