@@ -138,6 +138,33 @@ def test_stamps_may_be_missing_where_the_rate_is_given(tmp_path):
     np.testing.assert_allclose(log.to_numpy(), samples[:, :3], rtol=1e-8)
 
 
+def test_of_several_columns_of_stamps_the_most_even_that_advances_is_taken_and_said(tmp_path):
+    """In any order; of two as even that with the plainest name."""
+    samples, even = at_rest(up=(0, 0, -1)), times()
+    arrival = even + np.random.default_rng(1).uniform(0, 0.4 / RATE, len(even))
+    clocks = {"Unfiltered ts[s]": arrival, "Even ts[s]": even, "Still ts[s]": np.zeros_like(even)}
+    for order in (list(clocks), [*clocks][::-1]):
+        table = np.column_stack([*(clocks[name] for name in order), samples])
+        found = read(write_text(tmp_path / "run.csv", [*order, *NAMELESS[1:]], table))
+        assert "stamps from column 'Even ts[s]' of 3" in found.recognised
+        np.testing.assert_allclose(found.log.index, even)
+        said, parts = stream(tmp_path / "run.csv", RecordingSettings())
+        assert "stamps from column 'Even ts[s]' of 3" in said.recognised
+        np.testing.assert_allclose(pd.concat(parts).index, even)
+    table = np.column_stack([even + 1e-7, even, samples])
+    found = read(write_text(tmp_path / "run.csv", ["filtered ts[s]", "ts[s]", *NAMELESS[1:]], table))
+    assert "stamps from column 'ts[s]' of 2" in found.recognised
+
+
+@pytest.mark.parametrize(("factor", "said"), [(1.0, False), (1.01, False), (1.1, True), (3.28, True)])
+def test_a_rate_that_even_stamps_contradict_is_said(tmp_path, factor, said):
+    path = written(tmp_path, at_rest(up=(0, 0, -1)), NAMELESS)
+    found = read(path, RecordingSettings(rate_hz=factor * RATE))
+    words = f"STAMPS NOT USED: column 't' says {RATE:.5g} Hz (leave out --rate to take it)"
+    assert (words in found.recognised) == said
+    np.testing.assert_allclose(np.diff(found.log.index), 1 / (factor * RATE))
+
+
 def test_linear_acceleration_is_said_and_refused_where_gravity_is_needed(tmp_path):
     found = read(written(tmp_path, at_rest(up=(0, 0, 0))))
     assert found.weightless

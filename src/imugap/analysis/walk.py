@@ -54,18 +54,17 @@ class WalkInputs:
 
 @dataclass(frozen=True)
 class NavigatedWalk:
-    """Solutions of the filter and of the smoother for a walk, and how the foot comes to rest at its stances."""
+    """Solution of the smoother for a walk, and how the foot comes to rest at its stances."""
 
-    filtered: WalkSolution
     smoothed: WalkSolution
     fit: StanceFit
 
     def summary(self) -> dict[str, float]:
         """Return distance, duration, strides, and the end relative to the start, with standard deviations.
 
-        The distance is the sum of the horizontal strides; its variance is that of independent strides, each with the
-        growth of the filter's position variance along it. ``end_vertical_m`` is a height, ``end_heading_deg`` the
-        change of heading.
+        The distance is the sum of the horizontal chords between stances; its variance is that of the sum, with what
+        their errors have in common (:mod:`imugap.filters.chords`). ``end_vertical_m`` is a height, ``end_heading_deg``
+        the change of heading.
         """
         strides = self.smoothed.strides()
         end, std = (table.iloc[-1] for table in (self.smoothed.trajectory, self.smoothed.trajectory_std))
@@ -74,7 +73,7 @@ class NavigatedWalk:
         along = away / horizontal if horizontal > 0 else np.array([1.0, 0.0])
         time = self.smoothed.trajectory.index
         found = {
-            "distance_m": (strides["length"].sum(), self._distance_std()),
+            "distance_m": (strides["length"].sum(), np.sqrt(self.smoothed.chords.length_variance[0])),
             "duration_s": (time[-1] - time[0], 0.0),
             "strides": (len(strides), 0.0),
             "end_horizontal_m": (horizontal, np.sqrt(along @ self.smoothed.horizontal[-1] @ along)),
@@ -99,39 +98,32 @@ class NavigatedWalk:
     def strides(self) -> pd.DataFrame:
         """Return the strides, with standard deviations.
 
-        Columns ``start``, ``end``, ``duration`` [s] between the middles of stances, ``length``, ``rise``, ``clearance``
-        [m], the largest height of the device over the line between both ends, and ``heading`` of the stride [deg].
-        The first and the last stride have half of the stand beside them in their duration.
+        Columns ``start``, ``end``, ``duration`` [s] between the middles of stances, ``length``, ``rise`` [m] and
+        ``heading`` [deg] of the chord between them, with the standard deviations by which the smoother knows that chord
+        (:mod:`imugap.filters.chords`), and ``peak_height`` [m], the largest height of the device over the chord. The
+        first and the last stride have half of the stand beside them in their duration.
         """
         found, one = self.smoothed.strides(), self.smoothed
         time, down = one.trajectory.index.to_numpy(), one.trajectory["down"].to_numpy()
-        place = one.trajectory[["north", "east"]].to_numpy()
-        first, last = (np.searchsorted(time, found[name]) for name in ("start", "end"))
-        steps, gained = place[last] - place[first], self.filtered.horizontal[last] - self.filtered.horizontal[first]
-        along = steps / found["length"].to_numpy()[:, None]
+        place, stances = one.trajectory[["north", "east"]].to_numpy(), one.stances()
+        numbers = np.searchsorted(time[stances], found["start"])
+        first, last, covariance = stances[numbers], stances[numbers + 1], one.chords.covariance[numbers]
+        steps, length = place[last] - place[first], found["length"].to_numpy()
+        along = steps / length[:, None]
         across = along @ np.array([[0.0, 1.0], [-1.0, 0.0]])
-        spread = [np.sqrt(np.maximum(np.einsum("ni,nij,nj->n", one, gained, one), 0)) for one in (along, across)]
-        vertical = self.filtered.history.variances[:, DOWN]
-        sunk = np.sqrt(np.maximum(vertical[last] - vertical[first], 0))
-        turned = self.smoothed.trajectory_std["heading"].to_numpy()[first]
-        clearance = [
+        lengthwise, sideways = (
+            self.fit.factor * np.sqrt(np.einsum("ni,nij,nj->n", unit, covariance[:, :2, :2], unit))
+            for unit in (along, across)
+        )
+        peaks = [
             np.max(np.interp(time[i : j + 1], time[[i, j]], down[[i, j]]) - down[i : j + 1])
             for i, j in zip(first, last, strict=True)
         ]
-        spread, sunk, turned = (self.fit.factor * np.asarray(one) for one in (spread, sunk, turned))
         return found.assign(
-            duration=found["end"] - found["start"], clearance=clearance,
-            heading=np.degrees(np.arctan2(steps[:, 1], steps[:, 0])), length_std=spread[0], rise_std=sunk,
-            clearance_std=sunk, heading_std=np.degrees(np.hypot(spread[1] / found["length"].to_numpy(), turned)),
+            duration=found["end"] - found["start"], peak_height=peaks,
+            heading=np.degrees(np.arctan2(steps[:, 1], steps[:, 0])), length_std=lengthwise,
+            rise_std=self.fit.factor * np.sqrt(covariance[:, DOWN, DOWN]), heading_std=np.degrees(sideways / length),
         )  # fmt: skip
-
-    def _distance_std(self) -> float:
-        at = self.filtered.stances()
-        steps = np.diff(self.smoothed.trajectory[["north", "east"]].to_numpy()[at], axis=0)
-        lengths = np.hypot(*steps.T)
-        units = steps / np.where(lengths > 0, lengths, 1.0)[:, None]
-        gained = np.diff(self.filtered.horizontal[at], axis=0)
-        return float(np.sqrt(np.maximum(np.einsum("ni,nij,nj->n", units, gained, units), 0).sum()))
 
     def table(self) -> pd.DataFrame:
         """Return the smoothed Trajectory with standard deviations, sensor errors, and whether the foot is at stance."""
@@ -165,5 +157,4 @@ def align(inputs: WalkInputs) -> AlignedWalk:
 
 def smooth(aligned: AlignedWalk) -> NavigatedWalk:
     """Filter and smooth."""
-    fit = StanceFit.of(aligned)
-    return NavigatedWalk(pedestrian.solve(aligned), pedestrian.solve(aligned, smooth=True), fit)
+    return NavigatedWalk(pedestrian.solve(aligned, smooth=True), StanceFit.of(aligned))

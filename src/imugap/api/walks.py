@@ -29,7 +29,7 @@ class Walked(Result):
     Attributes
     ----------
     found
-        Solutions of filter and smoother.
+        Solution of the smoother, and how the foot comes to rest.
     """
 
     found: NavigatedWalk
@@ -41,7 +41,7 @@ class Walked(Result):
 
     @property
     def strides(self) -> pd.DataFrame:
-        """Begin and end [s], length, rise, clearance [m] and heading [deg] of each stride, with standard deviations."""
+        """Begin and end [s], length, rise, peak height [m] and heading [deg] of each stride, with deviations."""
         return self.found.strides()
 
     @property

@@ -16,6 +16,7 @@ import pandas as pd
 from numba import njit
 from scipy.spatial.transform import Rotation
 
+from imugap.filters.chords import LENGTH, Chords, carry_measurement, carry_transition, pass_end
 from imugap.filters.error_state import (
     ATTITUDE,
     NAVIGATION,
@@ -33,6 +34,8 @@ CROSS = ((0, 1), (6, 7), (6, 8), (7, 8))
 """Covariances stored besides the variances: of the horizontal position, and of the attitude."""
 BLOCK = 256
 """Epochs in a block of the smoother."""
+NOWHERE = np.empty(0, np.int64)
+"""No ends of chords."""
 
 
 class History(NamedTuple):
@@ -207,10 +210,14 @@ def write_epoch(history, k, nav, errors, covariance):
 
 
 @njit(cache=True, error_model="numpy")
-def smooth_block(history, first, last, block, adjoint, information):
-    """Correct the history of a block by all later measurements, and propagate the adjoint back over it."""
+def smooth_block(history, first, last, block, adjoint, information, chords, carried):
+    """Correct the history of a block by all later measurements, and propagate the adjoint back over it.
+
+    ``carried`` are the functionals of the chords (:mod:`imugap.filters.chords`), which go back with the adjoint.
+    """
     size = len(adjoint)
     error, work = np.empty(size), np.empty((size, size))
+    end = np.searchsorted(chords.epochs, last) - 1
     for k in range(last - 1, first - 1, -1):
         slot = k - first
         covariance = block.covariance[slot]
@@ -238,12 +245,17 @@ def smooth_block(history, first, last, block, adjoint, information):
             history.cross[k, c] = covariance[i, j]
             for m in range(size):
                 history.cross[k, c] -= work[i, m] * covariance[m, j]
+        if end >= 0 and chords.epochs[end] == k:
+            pass_end(chords, end, covariance, work, carried)
+            end -= 1
         for number in range(block.variances.shape[1] - 1, -1, -1):
             if block.variances[slot, number] > 0.0:
+                carry_measurement(carried, block.rows[slot, number], block.gains[slot, number])
                 adjoint_measurement(
                     adjoint, information, block.rows[slot, number], block.gains[slot, number],
                     block.residuals[slot, number], block.variances[slot, number], work[0],
                 )  # fmt: skip
+        carry_transition(carried, block.transposed[slot], work[0])
         adjoint_transition(adjoint, information, block.transposed[slot], work)
 
 
@@ -260,21 +272,38 @@ def run_filter(step: Callable, state, history: History) -> None:
     step(1, len(history.nis), state, SmootherBlock.empty(0, history.variances.shape[1]))
 
 
-def run_smoother(step: Callable, state, history: History, most: int) -> None:
+def run_smoother(
+    step: Callable, state, history: History, most: int, ends: np.ndarray = NOWHERE, shortest: float = 0.0
+) -> Chords:
     """Smooth all epochs of a history: filter by blocks, then filter each block again, last first, and correct it.
 
-    ``step`` and ``state`` are those of :func:`run_filter`; an epoch has at most ``most`` scalar measurements.
+    Parameters
+    ----------
+    step, state
+        Those of :func:`run_filter`.
+    most
+        Largest number of scalar measurements of an epoch.
+    ends, shortest
+        Epochs between which the chords are wanted, shape (ends,), and the length from which on one counts for the path
+        [m] (:meth:`imugap.filters.chords.Chords.between`).
+
+    Returns
+    -------
+    Chords
+        Chords between the ends.
     """
     count, size = history.variances.shape
     blocks, starts = list(pairwise([*range(1, count, BLOCK), count])), []
     for first, last in blocks:
         starts.append(state.copy())
         step(first, last, state, SmootherBlock.empty(0, size))
-    adjoint, information = np.zeros(size), np.zeros((size, size))
+    adjoint, information, carried = np.zeros(size), np.zeros((size, size)), np.zeros((LENGTH + 1, size))
+    chords = Chords.between(ends, history.navigation[ends, :3], shortest)
     for (first, last), start in zip(reversed(blocks), reversed(starts), strict=True):
         block = SmootherBlock.empty(last - first, size, most)
         step(first, last, start, block)
-        smooth_block(history, first, last, block, adjoint, information)
+        smooth_block(history, first, last, block, adjoint, information, chords, carried)
+    return chords
 
 
 def _euler_std(euler: np.ndarray, history: History) -> np.ndarray:

@@ -47,9 +47,12 @@ from imugap.io.sample_counter import with_counted
 from imugap.io.scales import require_one_scale
 from imugap.io.split_stamps import with_stamps
 from imugap.log import AXES, TIME, LogError, check
+from imugap.units import factor
 
 SAMPLE_ROWS = 2000
 """Rows on which a column of stamps has to advance, where there are several."""
+EVEN, OTHER_RATE = 0.2, 0.02
+"""Largest unevenness of stamps that tell the rate, and share by which an option contradicts it."""
 LARGEST_WHOLE = 2**62
 """Stamps below it are kept as whole numbers."""
 ALL = 1, 1
@@ -174,15 +177,16 @@ def stream(path: str | Path, settings: RecordingSettings = DEFAULTS) -> tuple[Co
         found = _conversion(selection, excerpt, raw, settings)
     except LogError as error:
         raise LogError(path, error.place, error.expected, error.found) from error
-    said = replace(found, recognised=(*source.notes, *found.recognised, *_unread(selection), *_left_out(selection)))
-    return said, _parts(source, selection, found)
+    said = *source.notes, *selection.said, *found.recognised, *_unread(selection), *_left_out(selection)
+    return replace(found, recognised=said), _parts(source, selection, found)
 
 
 @dataclass(frozen=True)
 class Selection:
     """Columns of a file that are read: names, positions, that of the stamps, or the rate and what states it.
 
-    ``whole``: whether the stamps are written as whole numbers; ``clock``: whether they are times as texts.
+    ``whole``: whether the stamps are written as whole numbers; ``clock``: whether they are times as texts; ``said``:
+    sentences on the choice between stamps, and between stamps and a rate.
     """
 
     names: tuple[str, ...]
@@ -191,6 +195,7 @@ class Selection:
     rate: tuple[float, str] | None
     whole: bool
     clock: bool
+    said: tuple[str, ...] = ()
 
     @property
     def places(self) -> list[int]:
@@ -263,7 +268,7 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
         return Recording(source.path, table.set_index(pd.Index(raw, name=TIME)), said, place=source.place)
     found = _conversion(selection, excerpt, raw, settings)
     time = found.apply(dict(zip(columns, block, strict=True)), raw)
-    said = (*found.recognised, *_unread(selection), *_left_out(selection), *filled)
+    said = (*selection.said, *found.recognised, *_unread(selection), *_left_out(selection), *filled)
     if said or not selection.assignment.contract or settings.columns or source.notes:
         said = (f"{found.rate_hz:.5g} Hz", f"{len(time):,} samples".replace(",", " "), *source.notes, *said)
     table = table.drop(columns=[*found.without]).set_index(pd.Index(time, name=TIME))
@@ -320,8 +325,9 @@ def _selected(source: Source, settings: RecordingSettings) -> Selection:
     stamp = _time_column(source, names, assignment, settings)
     given = (settings.rate_hz, "the option") if settings.rate_hz else source.rate
     whole = stamp is not None and source.names[stamp] in source.whole
+    said = (*_chosen(names, stamp, assignment), *_overruled(source, names, assignment, settings.rate_hz))
     return Selection(
-        tuple(names), assignment, stamp, given if stamp is None else None, whole, stamp in source.clocks
+        tuple(names), assignment, stamp, given if stamp is None else None, whole, stamp in source.clocks, said
     )  # fmt: skip
 
 
@@ -406,9 +412,7 @@ def _time_column(source: Source, names: list[str], assignment: Assignment, setti
     """Return the position of the column of stamps, None where ``--rate`` or a rate in the file stands for it."""
     if settings.rate_hz:
         return None
-    others = [name for name in assignment.times if name != TIME]
-    places = [names.index(name) for name in (*[TIME] * (TIME in names), *others)]
-    places = places or [place for place in source.clocks if names[place] != SKIP]
+    places = _clocks(source, names, assignment)
     if not places and source.rate:
         return None
     if not places:
@@ -417,11 +421,51 @@ def _time_column(source: Source, names: list[str], assignment: Assignment, setti
         raise LogError(
             source.path, source.heading, "stamps (--columns time=NAME), or the rate of the samples (--rate HZ)", found
         )
-    found = [_first_stamps(source, place) for place in places] if len(places) > 1 or source.rate else [None]
-    steady = [values is None or stamps.run(values) for values in found]
-    if source.rate and all(values is not None and not np.isfinite(values).any() for values in found):
+    if len(places) == 1 and not source.rate:
+        return places[0]
+    found = [_first_stamps(source, place) for place in places]
+    if source.rate and not any(np.isfinite(values).any() for values in found):
         return None
-    return places[steady.index(True) if True in steady else 0]
+    if names[places[0]] == TIME and stamps.run(found[0]):
+        return places[0]
+    return min(zip(places, found, strict=True), key=lambda one: _disorder(one[1]))[0]
+
+
+def _clocks(source: Source, names: list[str], assignment: Assignment) -> list[int]:
+    """Return the positions of columns that may be the stamps, the plainest first."""
+    others = [name for name in assignment.times if name != TIME]
+    places = [names.index(name) for name in (*[TIME] * (TIME in names), *others)]
+    return places or [place for place in source.clocks if names[place] != SKIP]
+
+
+def _disorder(values: np.ndarray) -> tuple[bool, float]:
+    """Return whether stamps do not advance, and how uneven they are, to a hundredth of the interval."""
+    return not stamps.run(values), round(stamps.unevenness(values), 2)
+
+
+def _chosen(names: list[str], stamp: int | None, assignment: Assignment) -> tuple[str, ...]:
+    """Return which of several columns of stamps is taken, a sentence."""
+    if stamp is None or len(assignment.times) < 2 or names[stamp] not in assignment.times:
+        return ()
+    return (f"stamps from column {names[stamp]!r} of {len(assignment.times)}",)
+
+
+def _overruled(source: Source, names: list[str], assignment: Assignment, rate_hz: float | None) -> tuple[str, ...]:
+    """Return which even stamps say another rate than the option that replaces them, a sentence."""
+    for place in _clocks(source, names, assignment) if rate_hz else ():
+        values = _first_stamps(source, place)
+        said = _stated_rate(values, "ns" if place in source.clocks else column_names.stated_unit(names[place]))
+        if said and stamps.unevenness(values) < EVEN and abs(said / rate_hz - 1) > OTHER_RATE:
+            return (f"STAMPS NOT USED: column {names[place]!r} says {said:.5g} Hz (leave out --rate to take it)",)
+    return ()
+
+
+def _stated_rate(values: np.ndarray, unit: str | None) -> float | None:
+    """Return the rate [Hz] of the first stamps of a column, None where they do not tell."""
+    try:
+        return 1 / (stamps.step_of(values) * factor(unit or stamps.unit_of_stamps(values, False)[0]))
+    except ValueError:
+        return None
 
 
 def _other_clocks(source: Source, names: list[str], assignment: Assignment) -> str:

@@ -23,7 +23,7 @@ SENTENCES = {
 }
 COLUMNS = {
     "start": "begin [s]", "duration": "duration [s]", "length": "length [m]", "rise": "rise [m]",
-    "clearance": "clearance [m]", "heading": "heading [°]",
+    "peak_height": "peak height [m]", "heading": "heading [°]",
 }  # fmt: skip
 ACCURACY = (
     "Offsets are those of the end from the begin. Positions are relative to the begin, north is the heading of the "
@@ -31,8 +31,9 @@ ACCURACY = (
     "by the velocity of zero, and the heading drifts freely."
 )
 BETWEEN = (
-    "Strides between the middles of stances, ± one standard deviation; the first and the last hold half of the stand "
-    "beside them."
+    "Strides between the middles of stances, ± one standard deviation of the chord between them; the first and the "
+    "last hold half of the stand beside them. The peak height is that of the device over the chord, larger than the "
+    "minimum clearance of the toe."
 )
 
 
@@ -52,8 +53,8 @@ def page(found: NavigatedWalk) -> Page:
         for name, sentence in SENTENCES.items()
     ]
     table = DataTable(BETWEEN, ("stride", *COLUMNS.values()), rows)
-    medians = strides[["length", "duration", "clearance"]].median()
-    usual = "Median stride: {length:.3g} m in {duration:.3g} s, clearance {clearance:.2g} m.".format(**medians)
+    medians = strides[["length", "duration", "peak_height"]].median()
+    usual = "Median stride: {length:.3g} m in {duration:.3g} s, peak height {peak_height:.2g} m.".format(**medians)
     return Page(
         "Where did the walk go, and where did it end?",
         tuple(found.verdict().splitlines()),

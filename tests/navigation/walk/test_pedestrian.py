@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.special import bdtr, bdtrc
 
-from imugap.analysis.walk import DEFAULT_MODEL, INDOORS
+from imugap.analysis.walk import DEFAULT_MODEL, INDOORS, NavigatedWalk
 from imugap.effects import Bias
 from imugap.effects.effect import AxisModel
 from imugap.filters.consistency import nees_band
@@ -17,6 +17,7 @@ from imugap.kinematics.strapdown import ATTITUDE, POSITION, VELOCITY
 from imugap.log import ACCEL, AXES, GYRO, LogError
 from imugap.model import ErrorModel
 from imugap.navigation.walk.pedestrian import LEVER_ARM, WalkAssumptions, navigate
+from imugap.navigation.walk.walk_physics import StanceFit
 from imugap.numerics.rotation import from_euler
 from imugap.simulation.camera_track import compare_with_cameras
 from imugap.simulation.walk import Walk, WalkCourse, WalkLeg
@@ -25,6 +26,8 @@ from imugap.stream import stream
 ROOT = Path(__file__).parents[3]
 SEED = 21
 RUNS = 150
+EXACT = StanceFit(0.0, 0.0, 1.0, 0, 0.0, 0.0)
+"""Fit of a walk whose assumptions hold."""
 MIDDLE = 2925
 """A sample in the middle of a swing of the walk that is simulated."""
 
@@ -152,6 +155,31 @@ def test_the_smoother_errs_as_much_as_it_says_and_less_than_the_filter(walk, mat
         assert (squares < high).all()
     size = [np.sqrt(np.mean([np.sum(e[3:] ** 2) for e, _ in found])) for found in (filtered, smoothed)]
     assert size[1] < 0.5 * size[0]
+
+
+@pytest.mark.slow
+def test_the_strides_err_as_much_as_they_are_said_to_and_so_does_their_sum(walk, matched):
+    """Mean square of error over deviation, of each stride over runs, and of all by the spread over runs; none is 0."""
+    truth, squares, sums = walk.truth(0, SEED)[list(POSITION)].to_numpy(float), [], []
+    for run in range(60):
+        log, velocity, _ = drawn(walk, matched, run)
+        one = NavigatedWalk(navigate(log, walk.model, matched, True, velocity), EXACT)
+        strides = one.strides()
+        steps = np.subtract(*(truth[np.searchsorted(log.index, strides[name])] for name in ("end", "start")))
+        lengths, headings = np.hypot(*steps[:, :2].T), np.degrees(np.arctan2(*steps[:, 1::-1].T))
+        off = [strides["length"] - lengths, strides["rise"] + steps[:, 2], strides["heading"] - headings]
+        off[2] = (off[2] + 180) % 360 - 180
+        stds = strides[["length_std", "rise_std", "heading_std"]].to_numpy().T
+        assert (stds > 0).all()
+        squares.append((np.array(off) / stds) ** 2)
+        sums.append((strides["length"].sum() - lengths.sum()) / one.summary()["distance_m_std"])
+    low, high = nees_band(1, 60, 1 - 0.001 / len(lengths))
+    assert (np.mean(squares, axis=0) > low).all()
+    assert (np.mean(squares, axis=0) < high).all()
+    of_runs = np.mean(squares, axis=2)
+    assert (np.abs(of_runs.mean(axis=0) - 1) < 4 * of_runs.std(axis=0) / np.sqrt(60)).all()
+    low, high = nees_band(1, 60, 0.999)
+    assert low < np.mean(np.square(sums)) < high
 
 
 def ideal_solution(walk, assumptions, **changes):

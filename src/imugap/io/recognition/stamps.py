@@ -148,3 +148,13 @@ def advances(time: np.ndarray) -> bool:
 def run(time: np.ndarray) -> bool:
     """Return whether numbers, shape (n,), are stamps that advance, and no times of day as numbers."""
     return advances(time) and not are_clock_numbers(time)
+
+
+def unevenness(time: np.ndarray) -> float:
+    """Return the mean deviation of the steps of stamps, shape (n,), from their mean, over it; inf where none advances.
+
+    Stamps of one rate have 0, those that come in packets of many nearly 2.
+    """
+    steps = np.diff(time[np.isfinite(time.astype(float))].astype(float))
+    mean = float(steps.mean()) if len(steps) else 0.0
+    return float(np.abs(steps - mean).mean() / mean) if mean > 0 else np.inf

@@ -47,6 +47,7 @@ from numba import njit
 from scipy.spatial.transform import Rotation
 
 from imugap.filters.alignment import level_sensitivity
+from imugap.filters.chords import Chords
 from imugap.filters.error_state import ATTITUDE, NAVIGATION, VELOCITY, predict, transposed_transition
 from imugap.filters.sensor_states import SensorStates
 from imugap.filters.smoother import (
@@ -171,11 +172,14 @@ class WalkSolution(NavigationSolution):
         Covariance of the error state at the last sample, shape (states, states).
     stand
         Sensor statistics of the stand at the start.
+    chords
+        Chords between the middles of the stances, as the smoother knows them; None for the filter.
     """
 
     phase: np.ndarray
     covariance: np.ndarray
     stand: Stand
+    chords: Chords | None = None
 
     @property
     def nis(self) -> np.ndarray:
@@ -186,15 +190,8 @@ class WalkSolution(NavigationSolution):
         return self.history.nis
 
     def stances(self) -> np.ndarray:
-        """Return the middle sample of each stance, shape (stances,).
-
-        Two stances with a motion shorter than :data:`SHORTEST_SWING_S` between them are one.
-        """
-        edges = np.diff(np.r_[0, self.phase > MOVING, 0])
-        first, last = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
-        time = self.trajectory.index.to_numpy()
-        apart = time[first[1:]] - time[last[:-1]] > SHORTEST_SWING_S
-        return (first[np.r_[True, apart]] + last[np.r_[apart, True]]) // 2
+        """Return the middle sample of each stance, shape (stances,)."""
+        return stances(self.phase, self.time.to_numpy())
 
     def strides(self) -> pd.DataFrame:
         """Return the strides: ``start``, ``end`` [s] at the middle of stances, ``length`` and ``rise`` [m]."""
@@ -588,11 +585,31 @@ def solve(aligned: AlignedWalk, smooth: bool = False) -> WalkSolution:
     def step(first: int, last: int, state: _State, block: SmootherBlock) -> None:
         _filter(*aligned.inputs, first, last, state, history, block)
 
+    chords = None
     if smooth:
-        run_smoother(step, state, history, MEASUREMENTS)
+        ends = stances(aligned.phase, aligned.time.to_numpy())
+        chords = run_smoother(step, state, history, MEASUREMENTS, ends, SHORTEST_STRIDE_M)
     else:
         run_filter(step, state, history)
-    return WalkSolution(aligned.time, aligned.names, history, aligned.phase, state.covariance, aligned.stand)
+    return WalkSolution(aligned.time, aligned.names, history, aligned.phase, state.covariance, aligned.stand, chords)
+
+
+def stances(phase: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """Return the middle sample of each stance, from the second sample on, shape (stances,).
+
+    Two stances with a motion shorter than :data:`SHORTEST_SWING_S` between them are one.
+
+    Parameters
+    ----------
+    phase, time
+        Phase of the foot and stamp [s] of each sample, shape (n,).
+    """
+    edges = np.diff(np.r_[0, phase > MOVING, 0])
+    first, last = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
+    if not len(first):
+        return first
+    apart = time[first[1:]] - time[last[:-1]] > SHORTEST_SWING_S
+    return np.maximum((first[np.r_[True, apart]] + last[np.r_[apart, True]]) // 2, 1)
 
 
 def _stand(samples: np.ndarray, step: float, assumptions: WalkAssumptions) -> Stand:
