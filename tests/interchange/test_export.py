@@ -225,7 +225,7 @@ def test_a_format_without_comments_has_its_notes_beside_it(target):
 
 def ratios(text, axis):
     (line,) = (line for line in text.splitlines() if f" {axis}: " in line and " to " in line)
-    low, high = line.replace("-->", "").split(": ")[1].split(" to ")
+    low, high = line.replace("-->", "").split(": ")[1].partition(", farthest")[0].split(" to ")
     return float(low), float(high)
 
 
@@ -234,6 +234,13 @@ def test_a_model_that_the_target_holds_is_told_exactly(target):
     slow = RandomWalk(1e-5) if target in WALKING else GaussMarkov(1e-4, 600.0)
     text = written(device(WhiteNoise(1e-3), slow), target, replace(RULE, correlation_time=600.0))
     assert ratios(text, "gyro_y") == (1.0, 1.0)
+
+
+def test_a_file_says_at_which_time_it_is_farthest_from_the_model():
+    """A random walk in place of flicker that agrees at 10 s is sqrt(10) off at 100 s."""
+    text = export(device(WhiteNoise(1e-2), BiasInstability(1e-3)), Target.KALIBR, RULE)
+    (line,) = (line for line in text.splitlines() if " gyro_y: " in line and " to " in line)
+    assert line.endswith(", farthest from 1 at 100 s")
 
 
 def test_what_ros_leaves_out_is_measured():

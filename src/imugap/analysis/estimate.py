@@ -15,7 +15,7 @@ import numpy as np
 
 from imugap.analysis.omission_distance import distance
 from imugap.effects.effect import AxisModel, Effect
-from imugap.estimation import report
+from imugap.estimation import reduced_limits, report
 from imugap.estimation.report import AxisEstimate, EstimatorSettings
 from imugap.integrity import rest
 from imugap.integrity.regular import Regular
@@ -79,6 +79,11 @@ class LogEstimate:
         """Mean output of each axis, SI."""
         return {one.axis: float(one.used.values.mean()) for one in self.axes}
 
+    @cached_property
+    def bounds(self) -> dict[str, tuple[Effect, ...]]:
+        """White noise and random walk at the upper limit, of each axis whose log shows none."""
+        return {one.axis: limits for one in self.axes if (limits := report.bounds(one))}
+
     def export(self, target: Target, rule: Rule, gravity: float) -> ExportedFile:
         """Return the file for a filter: estimates, bounds for what the log hides, its bias at rest, any misfit.
 
@@ -90,11 +95,11 @@ class LogEstimate:
         axes = {one.axis: _present(one.fit.model) for one in self.axes}
         for axis, (bias, spread) in start_bias(self.levels, gravity).items():
             axes[axis] = AxisModel((*axes[axis], bias, *((spread,) if target is Target.KF_GINS else ())))
-        bounds: dict[str, tuple[Effect, ...]] = {}
-        if target is not Target.IMUGAP and target not in PROGRAMS:
-            bounds = {one.axis: limits for one in self.axes if (limits := report.bounds(one))}
+        reduced = target is not Target.IMUGAP and target not in PROGRAMS
+        bounds = self.bounds if reduced else {}
+        limits = {one.axis: reduced_limits.of(one, bounds.get(one.axis, ()), rule) for one in self.axes if reduced}
         misfits = [f"THE MODEL DOES NOT FIT THE LOG of {one.axis}: {one.goodness}" for one in self.axes if not one.fits]
-        return exported(ErrorModel(axes), target, replace(rule, topic=self.topic), bounds, distance, misfits)
+        return exported(ErrorModel(axes), target, replace(rule, topic=self.topic), bounds, distance, misfits, limits)
 
 
 def require_axes(recording: Recording, asked: Sequence[str] = ()) -> list[str]:

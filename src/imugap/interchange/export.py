@@ -7,6 +7,7 @@ approximated (and how well), and omitted. A program (:mod:`imugap.interchange.co
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from math import isclose
 from os import PathLike
 from pathlib import Path
 from types import MappingProxyType
@@ -16,7 +17,7 @@ import yaml
 
 from imugap import log, spelling
 from imugap.atomic import is_stream
-from imugap.effects import WhiteNoise
+from imugap.effects import RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel, Effect
 from imugap.interchange import simulator_files
 from imugap.interchange.augmentation import augmentation
@@ -33,9 +34,12 @@ from imugap.interchange.conventions import (
     Reduced,
     Rule,
     Triad,
+    combined,
     left_out,
     reduced,
 )
+from imugap.interchange.limits import Limits, ends_text
+from imugap.interchange.limits import combined as combined_limits
 from imugap.interchange.omissions import Distance, Omission, costs
 from imugap.interchange.simulator_files import (
     TRIADS,
@@ -81,6 +85,10 @@ class Target(StrEnum):
         return cls(name)
 
 
+HORIZONS = (1.0, 10.0, 100.0)
+"""Averaging times [s] at which a file says what a random walk would be."""
+ALIKE = 0.005
+"""Relative difference of Allan deviations below which a file says nothing of where it is."""
 NOTES = ".notes.txt"
 """End of the name of the file beside one whose format has no comments."""
 
@@ -116,6 +124,7 @@ def exported(
     bounds: Mapping[str, Sequence[Effect]] = MappingProxyType({}),
     distance: Distance | None = None,
     remarks: Sequence[str] = (),
+    limits: Mapping[str, Limits] = MappingProxyType({}),
 ) -> ExportedFile:
     """Return the file for a target with what it leaves out.
 
@@ -130,12 +139,14 @@ def exported(
         Distance of a log from simulations without an effect, which is stated of each that is left out; None for none.
     remarks
         Notes on the model, before all others; a program and the own state space have no place for them.
+    limits
+        95 % limits of the reduced model of each axis; none where they are not known.
     """
     if target in PROGRAMS:
         return ExportedFile(program(model, PROGRAMS[target], rule.rate), tuple(omitted(model, target, rule)))
     if target is Target.IMUGAP:
         return ExportedFile(_own(model, rule), ())
-    own, lines = _written(model, target, rule, bounds)
+    own, lines = _written(model, target, rule, bounds, limits)
     lacking = tuple(omitted(model, target, rule, distance))
     said = (*remarks, *own, *(f"Left out: {one}" for one in lacking))
     comment = _comment(target)
@@ -177,13 +188,17 @@ def omitted(model: ErrorModel, target: Target, rule: Rule, distance: Distance | 
 
 
 def _written(
-    model: ErrorModel, target: Target, rule: Rule, bounds: Mapping[str, Sequence[Effect]]
-) -> tuple[list[str], list[str]]:
+    model: ErrorModel,
+    target: Target,
+    rule: Rule,
+    bounds: Mapping[str, Sequence[Effect]],
+    limits: Mapping[str, Limits],
+) -> Written:
     """Return notes and lines of the file for a target."""
     model = ErrorModel({axis: AxisModel((*one, *bounds.get(axis, ()))) for axis, one in model.axes.items()})
     model = model.require_axes("model")
     if target in WRITERS:
-        notes, lines = WRITERS[target](model, rule)
+        notes, lines = WRITERS[target](model, rule, Known(bounds, limits))
     else:
         simulator, axes = SIMULATORS[target], _reduced(model, rule)
         own, lines = simulator.write(model, axes, rule)
@@ -191,16 +206,32 @@ def _written(
     return [*_of_bounds(bounds), *notes], lines
 
 
-def _kalibr(model: ErrorModel, rule: Rule) -> Written:
-    notes, lines = _per_triad(model, KALIBR, rule, Target.KALIBR, "Kalibr refuses a random walk of 0")
+@dataclass(frozen=True)
+class Known:
+    """What the log of a model determines: processes that it only bounds, and limits of the reduced model, by axis."""
+
+    bounds: Mapping[str, Sequence[Effect]]
+    limits: Mapping[str, Limits]
+
+    def unseen(self, parameter: Parameter, kind: str) -> str:
+        """Return that a number for three axes is an upper bound, and on which; nothing for an estimate."""
+        process = {"N": WhiteNoise, "K": RandomWalk}[parameter.formula[0]]
+        own = TRIADS[kind]
+        axes = [axis for axis in own if any(isinstance(one, process) for one in self.bounds.get(axis, ()))]
+        if not axes:
+            return ""
+        return "upper bound" + ("" if len(axes) == len(own) else f" on {', '.join(axes)}") + ": the log shows none"
+
+
+def _kalibr(model: ErrorModel, rule: Rule, known: Known) -> Written:
+    notes, lines = _per_triad(model, KALIBR, rule, known, Target.KALIBR, "Kalibr refuses a random walk of 0")
     lines += [f"rostopic: {rule.topic or '/imu0  # set to yours'}", f"update_rate: {round(float(rule.rate), 4)}  # Hz"]
     return notes, lines
 
 
-def _vins(model: ErrorModel, rule: Rule) -> Written:
-    notes, lines = _per_triad(
-        model, VINS, rule, Target.VINS, "with a random walk of 0 the covariance of VINS has no inverse"
-    )
+def _vins(model: ErrorModel, rule: Rule, known: Known) -> Written:
+    reason = "with a random walk of 0 the covariance of VINS has no inverse"
+    notes, lines = _per_triad(model, VINS, rule, known, Target.VINS, reason)
     notes += [
         f"Valid at {rule.rate:g} Hz only: VINS takes the numbers per sample.",
         "acc_n and gyr_n hold a factor sqrt(2): VINS takes the two samples of its midpoint rule for independent of",
@@ -210,8 +241,8 @@ def _vins(model: ErrorModel, rule: Rule) -> Written:
 
 
 def _per_triad(
-    model: ErrorModel, convention: Convention, rule: Rule, target: Target, reason: str
-) -> tuple[list[str], list[str]]:
+    model: ErrorModel, convention: Convention, rule: Rule, known: Known, target: Target, reason: str
+) -> Written:
     """Return notes and lines for a tool with one white noise and one random walk for each triad."""
     axes = _reduced(model, rule)
     triads = by_triad(axes, rule)
@@ -222,9 +253,10 @@ def _per_triad(
                 f"--to {target} FILE` writes the largest random walk that a log at rest allows"
             )
     lines = [
-        f"{one.name}: {number(_shown(one, triads[kind], rule))}  # {one.unit}, {one.meaning}"
+        line
         for kind, some in parameters(convention).items()
         for one in some
+        for line in _lines_of_triad(one, kind, model, rule, known)
     ]
     notes = [
         *_head(model, convention, rule, random_walk_of_triad(axes, rule)),
@@ -236,7 +268,28 @@ def _per_triad(
     return notes, lines
 
 
-def _ros(model: ErrorModel, rule: Rule) -> Written:
+def _lines_of_triad(parameter: Parameter, kind: str, model: ErrorModel, rule: Rule, known: Known) -> list[str]:
+    """Return the line of a number for three axes with what is known of it, and of a walk what the horizon changes."""
+    at = {time: _triad(kind, model, replace(rule, horizon=time)) for time in (rule.horizon, *HORIZONS)}
+    value = number(_shown(parameter, at[rule.horizon], rule))
+    said = [parameter.unit, parameter.meaning, known.unseen(parameter, kind)]
+    own = TRIADS[kind]
+    if set(own) <= set(known.limits):
+        axes = [reduced(axis, model[axis], rule) for axis in own]
+        interval = combined_limits(axes, [known.limits[axis] for axis in own], rule.triad).interval(parameter, rule)
+        said.append(interval and f"95 %: {ends_text(*(from_si(one, parameter.unit) for one in interval))}")
+    line = f"{parameter.name}: {value}  # {', '.join(filter(None, said))}"
+    others = [f"{_shown(parameter, at[time], rule):.2e} at {time:g} s" for time in HORIZONS]
+    constant = isclose(*(parameter.value(at[time], rule) for time in (HORIZONS[0], HORIZONS[-1])), rel_tol=ALIKE)
+    return [line] if constant else [line, f"#   with another horizon: {', '.join(others)}"]
+
+
+def _triad(kind: str, model: ErrorModel, rule: Rule) -> Reduced:
+    """Return one reduced model for the three axes of a sensor."""
+    return combined((reduced(axis, model[axis], rule) for axis in TRIADS[kind]), rule.triad)
+
+
+def _ros(model: ErrorModel, rule: Rule, known: Known) -> Written:
     axes = _reduced(model, rule)
     lines = [f"orientation_covariance: [-1.0, {', '.join(8 * ['0.0'])}]  # no estimate of the orientation"]
     for kind, (parameter,) in parameters(ROS).items():
@@ -250,7 +303,7 @@ def _ros(model: ErrorModel, rule: Rule) -> Written:
     return notes, lines
 
 
-def _kf_gins(model: ErrorModel, rule: Rule) -> Written:
+def _kf_gins(model: ErrorModel, rule: Rule, known: Known) -> Written:
     rule = replace(rule, correlation_time=rule.correlation_time or HOUR)
     axes = _reduced(model, rule)
     rows = {}
@@ -301,9 +354,13 @@ RULES = {
 }
 """How three axes become one number, and why."""
 AT_REST = (
-    "Values of a device at rest. In motion vibration, scale factor and temperature add to them: filters usually take",
-    "10 to 20 times the numbers of cheap MEMS devices (ethz-asl/kalibr issue 663). Raise them until the innovations of",
-    "the filter are as large as it states.",
+    "Values of a device at rest. A filter in motion takes more: for cheap MEMS devices 10 to 20 times as much is usual",
+    "(ethz-asl/kalibr issue 663). Begin with a factor for each, then change it until the innovations of the filter are",
+    "as large as it states:",
+    "  noise density: 10. Vibration, scale factor and misalignment in motion act as fast as this noise; none shows at",
+    "  rest.",
+    "  random walk: 10. Temperature, and the wandering of the bias over times longer than the horizon, act as slowly",
+    "  as this walk; a log at one temperature shows them in part.",
 )
 
 PROGRAMS: Mapping[Target, Language] = {
@@ -321,7 +378,7 @@ SIMULATORS: Mapping[Target, Simulator] = {
     Target.MATLAB: simulator_files.MATLAB_FILE,
     Target.PEGASUS: simulator_files.PEGASUS_FILE,
 }
-WRITERS: Mapping[Target, Callable[[ErrorModel, Rule], Written]] = {
+WRITERS: Mapping[Target, Callable[[ErrorModel, Rule, Known], Written]] = {
     Target.KALIBR: _kalibr,
     Target.VINS: _vins,
     Target.ROS: _ros,
@@ -364,9 +421,17 @@ def _head(model: ErrorModel, convention: Convention, rule: Rule, taken: Mapping[
         f"Error model for {convention.tool}.",
         f"Conventions: {convention.source}.",
         f"A slow process here has the Allan variance of all slow processes of the model at {rule.horizon:g} s.",
-        f"Allan deviation here over that of the model, {tau[0]:g} to {tau[-1]:g} s:",
-        *(f"  {axis}: {ratio.min():.2f} to {ratio.max():.2f}" for axis, ratio in ratios.items()),
+        f"Allan deviation here over that of the model, {tau[0]:g} to {tau[-1]:g} s. Above 1 the tool takes the errors",
+        "over such a time for larger than they are; below 1 it takes them for smaller, and trusts the sensor too much.",
+        *(f"  {axis}: {_range(ratio, tau)}" for axis, ratio in ratios.items()),
     ]
+
+
+def _range(ratio: np.ndarray, tau: np.ndarray) -> str:
+    """Return the range of a ratio over times, both of shape (times,), and the time at which it is farthest from 1."""
+    ends = f"{ratio.min():.2f} to {ratio.max():.2f}"
+    off = np.abs(np.log(ratio))
+    return ends if off.max() < ALIKE else f"{ends}, farthest from 1 at {tau[np.argmax(off)]:.3g} s"
 
 
 def _described(effect: Effect) -> str:
