@@ -280,14 +280,18 @@ def test_verdict_comes_before_numbers_and_the_table_is_readable(here, capsys):
     filtered = np.convolve(rng.normal(0, 1e-3, 3010), np.ones(11) / 11, "valid")
     log.from_samples({"gyro_x": rng.normal(0, 1e-3, 3000), "gyro_y": filtered}, 0.01).to_csv("two.csv")
     assert cli.main(["estimate", "two.csv", "--terms", "white_noise"]) == 0
-    first, second, third, blank, titles, *rows = capsys.readouterr().out.splitlines()
+    first, second, third, length, blank, titles, *rest = capsys.readouterr().out.splitlines()
+    rows, notes = rest[: rest.index("")], rest[rest.index("") + 1 :]
     assert first.startswith("gyro_y: THE MODEL DOES NOT FIT THE LOG: misfit at")
     assert second == "gyro_x: fits."
     assert "`imugap discover` finds what it lacks" in third
+    assert length.startswith("gyroscopes: white noise known to")
     assert blank == ""
     assert titles.split("  ")[0] == "axis"
-    assert [row.split()[1] for row in rows] == ["white_noise", "white_noise", "bias", "bias"]
+    names = ["white_noise", "random_walk", "white_noise", "random_walk", "bias", "bias"]
+    assert [row.split()[1] for row in rows] == names
     assert max(map(len, (titles, *rows))) <= 100
+    assert [note.split(":")[0] for note in notes][-1] == "Upper bound"
     assert re.search(r"white_noise N +0\.0001\d+ .* rad/s/sqrt\(Hz\) +0\.3\d+ deg/sqrt\(h\)", rows[0])
 
 
@@ -453,3 +457,13 @@ def test_an_interrupted_write_leaves_the_old_file_and_no_other(here, capsys, mon
     assert capsys.readouterr().err == f"imugap: {name}: expected a file or folder that can be used; found 'disk full'\n"
     assert Path(name).read_text() == "old"
     assert names(here) == {name}
+
+
+def test_the_page_has_the_files_that_were_asked_for_first(here):
+    assert cli.main(["simulate", "xsens_dot", "--duration", "60", "--rate", "30", "--out", "run.csv"]) == 0
+    options = ["--terms", "white_noise,random_walk", "--to", "vins", "imu.yaml", "--to", "ros", "ros.yaml"]
+    assert cli.main(["estimate", "run.csv", *options, "--out", "found"]) == 0
+    page = Path("found/report.html").read_text()
+    assert page.index("What you asked for") < page.index("For vins") < page.index("For gazebo")
+    assert page.count("For ros") == 1
+    assert "gyr_w: " in page

@@ -2,6 +2,7 @@
 
 import sys
 
+import pandas as pd
 import pytest
 from tests.site.blocks import ROOT, blocks, lay_out, run
 
@@ -38,6 +39,10 @@ def test_the_blocks_of_a_page_run(page, request, tmp_path, monkeypatch):
     if page.stem == "log":
         return
     monkeypatch.chdir(tmp_path)
+    if page.stem == "ros":
+        from tests.io.formats.test_rosbag import write_bag  # the tests of bags need a library that is optional
+
+        write_bag(tmp_path / "imu.bag", "bag", {"/imu": pd.read_csv("run1.csv", index_col=0).to_numpy()})
     monkeypatch.setattr(sys, "path", [str(tmp_path), *sys.path])
     run(page, tmp_path, {"__name__": page.stem})
 

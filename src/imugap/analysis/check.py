@@ -8,11 +8,13 @@ import numpy as np
 
 from imugap.discovery.inputs import MIN_SAMPLES
 from imugap.discovery.preparation.shocks import common_shocks
+from imugap.effects.timestamp_jitter import TimestampJitter
 from imugap.estimation.indices import INDICES, shortest
 from imugap.estimation.model_selection import SHORTEST
 from imugap.integrity import rest
 from imugap.integrity.regular import Fault, Regular, Remark, powered, without_power
 from imugap.integrity.report import Axis, Report, Shock, report
+from imugap.integrity.timestamps import stamps
 from imugap.io.recording import Recording
 from imugap.log import ACCEL, axes
 from imugap.numerics.samples.runs import runs_of
@@ -52,6 +54,10 @@ COARSE = 2.0
 """Step of the lattice over the noise from which it says little of it."""
 SHIFTS = range(3, 17)
 """Bits that the counts of an axis may lack."""
+WIDTHS = (0.1, 0.5)
+"""Half widths of 95 % intervals, relative, for which a verdict says what a log determines."""
+DEVIATIONS = 1.96
+"""Half width of a 95 % interval in standard deviations."""
 LISTED = 3
 """Number of shocks that are listed."""
 
@@ -263,4 +269,24 @@ def _summary(regular: Regular, motion: rest.Motion) -> str:
         missing = {s: least for s, least in _shortest(regular).items() if duration < least * (1 - 1e-9)}
         if missing:
             parts.append(f"too short for {', '.join(missing)} ({max(missing.values()):g} s)")
+    jitter = TimestampJitter.found(stamps(regular.log.index.to_numpy(float)))
+    if jitter is not None:
+        size = f"{1e3 * jitter.effect.std:.2g} ms, {100 * jitter.effect.std / regular.interval:.2g} % of an interval"
+        turned = np.degrees(jitter.effect.std)
+        moving = f"turned by the rate over so long, {turned:.2g} deg at 1 rad/s, which does not add up"
+        parts.append(f"stamps scatter by {size}: {moving if motion.mostly else 'harmless at rest'}")
+    if not motion.mostly:
+        parts.append(_determined(duration, regular.interval))
     return ", ".join(parts)
+
+
+def _determined(duration: float, interval: float) -> str:
+    """Return how well a log at rest, both [s], determines its noise: by the independent values that it has.
+
+    Of n values a deviation is known to 1/sqrt(2 n). White noise has one for each sample, and a process with the
+    correlation exp(-t/T) one for each T, as far as its variance goes.
+    """
+    white = DEVIATIONS / np.sqrt(2 * duration / interval)
+    longest = [2 * duration * (width / DEVIATIONS) ** 2 for width in WIDTHS]
+    slow = (f"{100 * width:g} % up to {float(f'{time:.2g}'):g} s" for width, time in zip(WIDTHS, longest, strict=True))
+    return f"gives white noise to {100 * white:.2g} %, slow processes to {' and '.join(slow)} of correlation time"

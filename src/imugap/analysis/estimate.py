@@ -14,18 +14,22 @@ from functools import cached_property
 import numpy as np
 
 from imugap.analysis.omission_distance import distance
+from imugap.effects import Bias
 from imugap.effects.effect import AxisModel, Effect
-from imugap.estimation import reduced_limits, report
+from imugap.estimation import log_length, reduced_limits, report
 from imugap.estimation.report import AxisEstimate, EstimatorSettings
 from imugap.integrity import rest
 from imugap.integrity.regular import Regular
 from imugap.interchange.conventions import Rule
 from imugap.interchange.export import PROGRAMS, ExportedFile, Target, exported
 from imugap.interchange.start_bias import start_bias
+from imugap.io.recognition.frame import AS_IS, own_axes
 from imugap.io.recording import Recording
 from imugap.log import TEMPERATURE
 from imugap.model import ErrorModel
 
+OF_ROS = (Target.KALIBR, Target.VINS, Target.ROS, Target.GAZEBO, Target.GAZEBO_PLUGIN)
+"""Targets of tools that take the axes of the log as they are."""
 REST_S = 10.0
 """Shortest rest that is worth a log of its own [s]."""
 
@@ -44,12 +48,15 @@ class LogEstimate:
         Sentences on the axes without an estimate.
     topic
         Topic of ROS from which the log is; None where it is from none.
+    frame
+        Where the axes of the file point (:mod:`imugap.io.recognition.frame`).
     """
 
     regular: Regular
     axes: tuple[AxisEstimate, ...]
     failed: tuple[str, ...]
     topic: str | None = None
+    frame: str = AS_IS
 
     @cached_property
     def motion(self) -> str | None:
@@ -80,6 +87,11 @@ class LogEstimate:
         return {one.axis: float(one.used.values.mean()) for one in self.axes}
 
     @cached_property
+    def length(self) -> tuple[str, ...]:
+        """For each kind of sensor, how well the log determines it, and how long one would have to be."""
+        return tuple(log_length.sentences(self.axes))
+
+    @cached_property
     def bounds(self) -> dict[str, tuple[Effect, ...]]:
         """White noise and random walk at the upper limit, of each axis whose log shows none."""
         return {one.axis: limits for one in self.axes if (limits := report.bounds(one))}
@@ -98,8 +110,23 @@ class LogEstimate:
         reduced = target is not Target.IMUGAP and target not in PROGRAMS
         bounds = self.bounds if reduced else {}
         limits = {one.axis: reduced_limits.of(one, bounds.get(one.axis, ()), rule) for one in self.axes if reduced}
-        misfits = [f"THE MODEL DOES NOT FIT THE LOG of {one.axis}: {one.goodness}" for one in self.axes if not one.fits]
-        return exported(ErrorModel(axes), target, replace(rule, topic=self.topic), bounds, distance, misfits, limits)
+        misfits = {one.axis: one.goodness for one in self.axes if not one.fits}
+        names = {axis: axis for axis in axes}
+        notes = []
+        if target in OF_ROS and (own := own_axes(self.frame)):
+            names = {axis: f"{axis[:-1]}{own['xyz'.index(axis[-1])][-1]}" for axis in axes}
+            signs = {axis: -1.0 if own["xyz".index(axis[-1])][0] == "-" else 1.0 for axis in axes}
+            axes = {axis: AxisModel(tuple(_signed(effect, signs[axis]) for effect in axes[axis])) for axis in axes}
+            notes.append("Axes and the signs of biases: those of the log.")
+        notes = [f"THE MODEL DOES NOT FIT THE LOG of {names[axis]}: {text}" for axis, text in misfits.items()] + notes
+        rule = replace(rule, topic=self.topic)
+        model, bounds, limits = ({names[axis]: one for axis, one in some.items()} for some in (axes, bounds, limits))
+        return exported(ErrorModel(model), target, rule, bounds, distance, notes, limits)
+
+
+def _signed(effect: Effect, sign: float) -> Effect:
+    """Return an effect of an axis on the axis of the given sign along it."""
+    return replace(effect, value=sign * effect.value) if isinstance(effect, Bias) else effect
 
 
 def require_axes(recording: Recording, asked: Sequence[str] = ()) -> list[str]:
@@ -129,7 +156,7 @@ def estimate(recording: Recording, axes: Sequence[str], settings: EstimatorSetti
     if not estimates:
         raise errors[0]
     failed = tuple(f"{error} (no estimate of this axis)" for error in errors)
-    return LogEstimate(regular, tuple(estimates), failed, recording.topic)
+    return LogEstimate(regular, tuple(estimates), failed, recording.topic, recording.frame)
 
 
 def _temperature(found: Regular, count: int) -> np.ndarray | None:

@@ -2,7 +2,7 @@
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from math import inf
 from pathlib import Path
@@ -22,6 +22,7 @@ from imugap.interchange import export as conversion
 from imugap.interchange.conventions import Rule, Triad
 from imugap.interchange.export import ExportedFile, Target
 from imugap.model import ErrorModel
+from imugap.pages import estimate_table
 from imugap.pages.provenance import Provenance
 from imugap.units import STANDARD_GRAVITY
 
@@ -44,10 +45,13 @@ class Estimated(Result):
         Estimates of the axes, and the log on an even clock.
     gravity
         Gravity of the site [m/s^2].
+    asked
+        Texts of the files that were asked for, by target; the page shows them first.
     """
 
     estimate: LogEstimate
     gravity: float = STANDARD_GRAVITY
+    asked: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def axes(self) -> tuple[AxisEstimate, ...]:
@@ -81,11 +85,15 @@ class Estimated(Result):
 
     @property
     def verdict(self) -> str:
-        """Motion of the device, goodness of fit of each axis, those that do not fit first, what to do about these."""
+        """Motion of the device, goodness of fit of each axis, misfits first, what to do about them, length of log."""
         moved = [] if self.estimate.motion is None else [self.estimate.motion]
         bad = [f"{one.axis}: THE MODEL DOES NOT FIT THE LOG: {one.verdict()}" for one in self.axes if not one.fits]
         good = [f"{one.axis}: {one.verdict()}" for one in self.axes if one.fits]
-        return "\n".join([*moved, *bad, *good, *([report.NEXT] if bad else [])])
+        return "\n".join([*moved, *bad, *good, *([report.NEXT] if bad else []), *self.estimate.length])
+
+    def __str__(self) -> str:
+        """Return the verdict and the table of the estimates, as the command prints them."""
+        return f"{self.verdict}\n\n{estimate_table.text(self.estimate, self.gravity)}"
 
     def export(
         self,
@@ -142,7 +150,7 @@ class Estimated(Result):
     def _page(self) -> "Page":
         from imugap.pages.estimate import page
 
-        return page(self.estimate, self.gravity)
+        return page(self.estimate, self.gravity, self.asked)
 
 
 def estimate(

@@ -9,11 +9,11 @@ from imugap.api.drives import drive
 from imugap.commands.arguments import add_effects, add_examples
 from imugap.commands.outputs import FOLDER_HELP, add_format, add_json, json_text, require_folder
 from imugap.commands.reading import LOG_HELP, add_reading, read, say, settings_of
-from imugap.commands.shown import summary_text
 from imugap.io.fixes import reading as fixes
 from imugap.io.fixes.receiver_settings import ReceiverSettings
 from imugap.io.recognition.frame import AS_IS
 from imugap.pages.drive import consistency, events, extent
+from imugap.pages.shown import summary_text
 
 FILES = (
     "report.html", "solution.parquet", "smoothed.parquet", "events.csv", "summary.json", "inputs.json", "path.geojson",

@@ -13,11 +13,11 @@ from imugap.analysis.effect_description import EffectDescription, axis_of, examp
 from imugap.atomic import atomic
 from imugap.commands.arguments import add_effects, add_examples
 from imugap.commands.outputs import format_of, require_files
-from imugap.commands.shown import number, table_text
 from imugap.effects import CATALOGUE
 from imugap.effects.effect import TINY, Effect, Stage
 from imugap.interchange.plugins import catalogue
 from imugap.io.strict_yaml import number_in
+from imugap.pages.shown import number, table_text
 from imugap.workflow.products import write_figure
 
 

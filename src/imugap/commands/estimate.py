@@ -5,7 +5,8 @@ All files are written, or none.
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from dataclasses import replace
 from math import inf
 from pathlib import Path
 
@@ -23,22 +24,15 @@ from imugap.commands.outputs import (
 )
 from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
 from imugap.commands.reduction import add_rule
-from imugap.commands.shown import interval_text, number, table_text
 from imugap.estimation import report
 from imugap.estimation.model_selection import TERMS
-from imugap.estimation.report import AxisEstimate, Method
+from imugap.estimation.report import Method
 from imugap.interchange.export import Target
-from imugap.interchange.start_bias import known_biases
 from imugap.log import AXES
-from imugap.units import habit
 from imugap.workflow.products import write_figure
 
 AUTO = "auto"
 """The value of ``--terms`` that has the effects selected from the log."""
-SYMBOLS = {
-    "density": "N", "density_b": "B", "density_k": "K", "q": "Q", "slope": "R", "std": "std", "correlation_time": "T",
-}  # fmt: skip
-"""Symbol of a parameter in the printed table."""
 RECORDS = ".json"
 """Ending of a file for the estimates alone."""
 OUTPUTS = ("table", "model", "figure")
@@ -104,13 +98,14 @@ def run(options: argparse.Namespace) -> None:
         print(f"imugap: {remark}", file=sys.stderr)
     rule = {"horizon": options.horizon, "correlation_time": options.correlation_time, "triad": options.triad}
     files = {path: found.exported(name, **rule) for name, path in options.to}
+    found = replace(found, asked={name: files[path].text for name, path in options.to})
     for file in files.values():
         say_left_out(file)
     texts = {place: text for path, file in files.items() for place, text in file.texts(path).items()}
     write_together(_writers(found, texts, options, whole))
     if folder is not None:
         found.made_by(options.command_line).report(folder, options.format)
-    print(_shown(found))
+    print(found)
 
 
 def _is_file(path: str) -> bool:
@@ -132,28 +127,3 @@ def _writers(
     if options.figure:
         writers[options.figure] = lambda path: write_figure(found.plot(), path, format_of(options.figure))
     return writers
-
-
-def _shown(found: Estimated) -> str:
-    """Return the verdicts, those of models that do not fit their log first, and a table of the estimates."""
-    titles = ["axis", "effect", "value", "95 % interval", "unit", "in use"]
-    rows = [row for one in found.axes for row in _rows(one)] + [*_biases(found)]
-    return "\n".join([found.verdict, "", table_text(titles, rows)])
-
-
-def _rows(estimate: AxisEstimate) -> list[list[str]]:
-    rows = []
-    for one, unit in estimate.parameters():
-        ordinal = f" {one.ordinal}" if one.effect == "gauss_markov" else ""
-        name = f"{one.effect}{ordinal} {SYMBOLS.get(one.parameter, one.parameter)}"
-        rows.append(
-            [estimate.axis, name, number(one.value), interval_text(one.low, one.high), unit, habit(one.value, unit)]
-        )
-    return rows
-
-
-def _biases(found: Estimated) -> Iterator[list[str]]:
-    """Yield the constant biases that the log shows."""
-    for axis, bias in known_biases(found.estimate.levels, found.gravity).items():
-        unit, along = ("m/s^2", " along gravity") if axis == "accel" else ("rad/s", "")
-        yield [axis, f"bias{along}", number(bias), "", unit, habit(bias, unit)]

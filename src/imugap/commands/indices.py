@@ -11,8 +11,8 @@ from imugap.atomic import atomic, is_stream
 from imugap.commands.arguments import add_examples, add_gravity, positive
 from imugap.commands.outputs import FOLDER_HELP, add_format, require_files, require_folder
 from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
-from imugap.commands.shown import interval_text, number, table_text
 from imugap.estimation.indices import INDICES
+from imugap.pages.shown import interval_text, number, table_text
 from imugap.units import from_si
 
 FILES = ("report.html", "inputs.json", "indices.csv", "indices.svg")

@@ -11,9 +11,9 @@ from typing import Any
 from imugap.atomic import atomic
 from imugap.commands.arguments import add_examples
 from imugap.commands.outputs import require_files
-from imugap.commands.shown import interval_text, number, table_text
 from imugap.interchange.devices import catalogue
 from imugap.interchange.devices.card import DeviceCard
+from imugap.pages.shown import interval_text, number, table_text
 from imugap.units import habit
 
 WIDTH = 100

@@ -8,7 +8,7 @@ from imugap.api.walks import walk
 from imugap.commands.arguments import add_effects, add_examples, add_gravity, positive
 from imugap.commands.outputs import FOLDER_HELP, add_format, add_json, json_text, require_folder
 from imugap.commands.reading import LOG_HELP, MODEL_HELP, add_reading, read, say, settings_of
-from imugap.commands.shown import summary_text
+from imugap.pages.shown import summary_text
 from imugap.pages.walk import extent
 
 FILES = ("report.html", "solution.parquet", "strides.csv", "summary.json", "inputs.json", "plan.svg", "height.svg")

@@ -36,7 +36,10 @@ def of(estimate: AxisEstimate, bounds: Sequence[Effect], rule: Rule) -> Limits:
     bounds
         Processes at their upper limit, which stand for what the log does not show.
     """
-    present = _present(estimate)
+    present = estimate.fit.present
+    if not tuple(present):
+        alone = reduced(estimate.axis, AxisModel(tuple(bounds)), rule)
+        return Limits.of(alone, (0.0, alone.white), (0.0, alone.walk))
     composition, theta = parameters(present)
 
     def sizes(theta: np.ndarray) -> np.ndarray:
@@ -46,10 +49,8 @@ def of(estimate: AxisEstimate, bounds: Sequence[Effect], rule: Rule) -> Limits:
 
     slopes = [(sizes(theta + step) - sizes(theta - step)) / (2 * STEP) for step in STEP * np.eye(len(theta))]
     whole = reduced(estimate.axis, AxisModel((*present, *bounds)), rule)
-    known = {(one.effect, one.ordinal, one.parameter): one for one in estimate.fit.estimates}
-    own = [
-        known[quantity.key] for quantity in composition.quantities() if np.count_nonzero(quantity.direction) == 1
-    ]  # in the order of theta
+    shown = estimate.fit.shown
+    own = [shown[one.key] for one in composition.quantities() if np.count_nonzero(one.direction) == 1]  # as in theta
     ends = (_ends(slope, own, estimate) for slope in np.transpose(slopes))
     white, walk = (
         tuple(value * one for one in end) for value, end in zip((whole.white, whole.walk), ends, strict=True)
@@ -80,13 +81,8 @@ def _ends(slope: np.ndarray, own: Sequence[ParameterEstimate], estimate: AxisEst
 def _covariance(estimate: AxisEstimate) -> np.ndarray:
     """Return the covariance of the log parameters of the processes that an axis shows, by the Fisher information."""
     used = estimate.used
-    composition, theta = parameters(_present(estimate))
+    composition, theta = parameters(estimate.fit.present)
     grid = Grid.of(len(used.values), used.interval, used.highest)
     ramp = any(isinstance(one, RateRamp) for one in estimate.fit.model)
     information = used.share * fisher(theta, composition.shapes(grid), grid, ramp)
     return np.linalg.inv(information + UNKNOWN * np.eye(len(theta)))
-
-
-def _present(estimate: AxisEstimate) -> AxisModel:
-    """Return the random processes that an axis shows."""
-    return AxisModel(tuple(one for one in estimate.fit.model.stochastic() if all(one.parameters().values())))

@@ -199,12 +199,19 @@ class AxisEstimate:
             named = (f"{one.effect} {one.ordinal} {one.parameter} ({why})" for one, why in unknown)
             parts.append(f"Not identified: {', '.join(named)}")
         if self.alternatives:
-            parts.append(f"The data do not separate it from: {'; '.join(map(title, self.alternatives))}")
+            parts.append(f"The data do not separate it from: {'; '.join(map(title, self.alternatives))}{self._kept()}")
         kinds = set(map(type, self.fit.model))
         if GaussMarkov in kinds and not kinds & {WhiteNoise, Quantization}:
             parts.append(f"Without white noise {GaussMarkov.name} 1 may be an output filter")
         parts.extend(self.remarks)
         return ". ".join(parts) + "."
+
+    def _kept(self) -> str:
+        """Return what the alternatives have in common with the model, and what may differ."""
+        present = [type(one) for one in self.fit.model if any(one.parameters().values())]
+        if WhiteNoise not in present or not all(WhiteNoise in kinds for kinds in self.alternatives):
+            return ""
+        return " (N changes little, the slow processes may)"
 
     def parameters(self) -> list[tuple[ParameterEstimate, str]]:
         """Return the estimates of the parameters of the effects, each with its SI unit, without derived quantities."""

@@ -70,6 +70,22 @@ class Fit:
     objective: float
     converged: bool
 
+    @property
+    def present(self) -> AxisModel:
+        """Return the random processes that are not zero."""
+        return AxisModel(tuple(one for one in self.model.stochastic() if all(one.parameters().values())))
+
+    @property
+    def shown(self) -> dict[tuple[str, int, str], ParameterEstimate]:
+        """Return the estimates of what is not zero by effect, number among those of its kind, and parameter."""
+        absent = {(one.effect, one.ordinal) for one in self.estimates if not one.value}
+        kept = [one for one in self.estimates if (one.effect, one.ordinal) not in absent]
+        numbers = {
+            (one.effect, one.ordinal): one.ordinal - sum(gone == one.effect and k < one.ordinal for gone, k in absent)
+            for one in kept
+        }
+        return {(one.effect, numbers[one.effect, one.ordinal], one.parameter): one for one in kept}
+
     def table(self) -> pd.DataFrame:
         """Return the estimates, index ``effect``, ``ordinal``, ``parameter``."""
         return pd.DataFrame(map(asdict, self.estimates)).set_index(["effect", "ordinal", "parameter"])

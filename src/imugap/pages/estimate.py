@@ -1,13 +1,17 @@
 """Page of an estimation: verdict, Allan deviations, parameters, and what a filter takes."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 from imugap.analysis.estimate import LogEstimate
 from imugap.estimation import report
 from imugap.figures.estimation import fitted_axis
 from imugap.figures.style import AXIS_TITLES
 from imugap.interchange.conventions import Rule
 from imugap.interchange.start_bias import known_biases
+from imugap.io.recognition.frame import axes_text
 from imugap.pages.check import log_gallery
-from imugap.pages.model import filter_part, simulator_part
+from imugap.pages.model import asked_part, filter_part, simulator_part
 from imugap.pages.page import Block, DataTable, Gallery, Page, Part, Picture, Points, Text
 from imugap.units import habit
 from imugap.workflow.tables import number, unit, with_interval
@@ -16,8 +20,8 @@ HORIZON = 10.0
 """Averaging time at which the Allan variance of the slow part is kept [s]."""
 
 
-def page(found: LogEstimate, gravity: float) -> Page:
-    """Compose the page of an estimation."""
+def page(found: LogEstimate, gravity: float, asked: Mapping[str, str] = MappingProxyType({})) -> Page:
+    """Compose the page of an estimation; ``asked`` has the files that were asked for, the text of each by target."""
     bad = [one for one in found.axes if not one.fits]
     names = ", ".join(one.axis for one in bad)
     verdict = f"The model does not fit the log of {names}." if bad else "The model fits the log of every axis."
@@ -30,13 +34,15 @@ def page(found: LogEstimate, gravity: float) -> Page:
             verdict,
             *(f"{one.axis}: {one.verdict()}" for one in (*bad, *(a for a in found.axes if a.fits))),
             *((report.NEXT,) if bad else ()),
+            *found.length,
         ),
         not bad and not found.failed,
         (
             Part("Allan deviations", (Text(ALLAN), _curves(found))),
             Part("Parameters", (_parameters(found), *_biases(found, gravity))),
+            *((asked_part(asked),) if asked else ()),
             simulator_part(found.model, rule),
-            filter_part(lambda target: found.export(target, rule, gravity).text),
+            filter_part(lambda target: found.export(target, rule, gravity).text, asked),
             Part("What was undone or left out", (Points(remarks),) if remarks else ()),
             Part("The log", (log_gallery(found.regular),)),
         ),
@@ -80,7 +86,8 @@ def _parameters(found: LogEstimate) -> DataTable:
         for one in found.axes for estimate, name in one.parameters()
     )  # fmt: skip
     titles = ("axis", "effect", "parameter", "value", "95 % interval", "unit", "in use", "the log")
-    return DataTable("Estimates with 95 % intervals, SI.", titles, rows)
+    axes = axes_text(found.frame)
+    return DataTable(f"Estimates with 95 % intervals, SI.{f' Axes: {axes}.' if axes else ''}", titles, rows)
 
 
 def _biases(found: LogEstimate, gravity: float) -> tuple[Block, ...]:

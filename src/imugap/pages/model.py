@@ -1,13 +1,13 @@
 """Parts of a page on an error model: how it enters a simulator and a filter."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
 
 import yaml
 
 from imugap.interchange.conventions import Rule
 from imugap.interchange.export import Target, export
 from imugap.model import ErrorModel
-from imugap.pages.page import Block, Fold, Part, Points, Snippet, Text
+from imugap.pages.page import Block, Fold, Part, Points, Snippet, Text, Topic
 
 FILTERS = (Target.KALIBR, Target.ROS, Target.KF_GINS)
 SIMULATORS = (Target.GAZEBO,)
@@ -36,8 +36,16 @@ def simulator_part(model: ErrorModel, rule: Rule, comparison: tuple[Block, ...] 
     return Part("What to put into the simulator", tuple(blocks))
 
 
-def filter_part(exported: Callable[[Target], str]) -> Part:
-    """Return what common filters take of a model; ``exported`` gives the text of the file of a target."""
+def asked_part(files: Mapping[str, str]) -> Part:
+    """Return the files that were asked for, the text of each by its target."""
+    return Part("What you asked for", tuple(Topic(f"For {target}", (Snippet(one),)) for target, one in files.items()))
+
+
+def filter_part(exported: Callable[[Target], str], shown: Collection[str] = ()) -> Part:
+    """Return what common filters take of a model; ``exported`` gives the text of the file of a target.
+
+    Those that the page has ``shown`` already are left out.
+    """
     blocks: list[Block] = [
         Text(
             "Filters take white noise and one slow process for each axis or triad. Each file says at its head how well "
@@ -45,7 +53,7 @@ def filter_part(exported: Callable[[Target], str]) -> Part:
         )
     ]
     for target in FILTERS:
-        blocks += _exported(target, exported)
+        blocks += _exported(target, exported) if target not in shown else []
     return Part("What to write into the filter", tuple(blocks))
 
 

@@ -68,3 +68,29 @@ def vertical(frame: str) -> str:
     """Return which axis of a frame of :data:`UPWARD` is vertical, in words."""
     axis, sign = next(place for place, name in UPWARD.items() if name == frame)
     return f"{'xyz'[axis]} {'up' if sign > 0 else 'down'}"
+
+
+def own_axes(frame: str) -> tuple[str, str, str] | None:
+    """Return which axis of a file each canonical one is, such as ``("x", "-y", "-z")`` of FLU.
+
+    None where they are the same, and where a frame is turned by other angles than right ones.
+    """
+    if frame == AS_IS or frame.strip().upper() == CANONICAL:
+        return None
+    rotation = rotation_of(frame)
+    if not np.isin(rotation, (-1.0, 0.0, 1.0)).all():
+        return None
+    x, y, z = (f"{'-' if row.sum() < 0 else ''}{'xyz'[int(np.argmax(np.abs(row)))]}" for row in rotation)
+    return x, y, z
+
+
+def axes_text(frame: str) -> str:
+    """Return how the canonical axes follow from those of a file, in words; nothing where they are the same."""
+    if frame == AS_IS or frame.strip().upper() == CANONICAL:
+        return ""
+    own, said = own_axes(frame), "x forward, y right, z down"
+    if own is None:
+        return f"{said}; those of the log are turned ({frame})"
+    if [one[-1] for one in own] == [*"xyz"]:
+        return f"{said}; {' and '.join(one[-1] for one in own if len(one) > 1)} of the log are reversed"
+    return f"{said}, which are {', '.join(own)} of the log"
