@@ -16,7 +16,8 @@ from imugap.analysis.walk import INDOORS, STD, WalkInputs, navigate_walk
 from imugap.commands.walk import FILES
 from imugap.figures.walk import ellipse
 from imugap.kinematics.strapdown import COLUMNS
-from imugap.log import GYRO
+from imugap.log import AXES, GYRO
+from imugap.model import ErrorModel
 from imugap.navigation.walk.pedestrian import WalkAssumptions
 from imugap.simulation.walk import Walk, WalkCourse, WalkLeg
 from imugap.stream import stream
@@ -97,6 +98,22 @@ def test_pace_and_strides_are_those_of_the_gait_at_any_epoch(recipe):
     assert list(found.strides()["stride"]) == list(range(1, STRIDES + 1))
     np.testing.assert_allclose(other.strides(), found.strides(), atol=1e-3)
     assert other.strides()["end"].max() < straight.duration_s
+
+
+def test_the_bias_of_another_run_is_no_knowledge_and_a_wrong_model_is_said(here, recipe, capsys):
+    """A model with biases alone begins at zero and errs no more than it says; one of small spread is contradicted."""
+    other = {axis: [{"white_noise": {"density": 3e-4}}, {"bias": {"value": 0.02}}] for axis in AXES}
+    ErrorModel.from_mapping(other).write("other.yaml")
+    narrow = {axis: [*one, {"turn_on_bias": {"std": 1e-4}}] for axis, one in other.items()}
+    ErrorModel.from_mapping(narrow).write("narrow.yaml")
+    given = ["--gravity", str(recipe.site.gravity), "--out", "found"]
+    assert cli.main(["walk", "walk.csv", "--model", "other.yaml", *given]) == 0
+    said, found = capsys.readouterr().err, strict_json.load("found/summary.json")
+    assert "other.yaml: no turn-on bias of gyro_x, gyro_y, gyro_z, accel_x" in said
+    assert "the model of another device?" not in said
+    assert found["end_horizontal_m"] < 3 * found["end_horizontal_m_std"]
+    assert cli.main(["walk", "walk.csv", "--model", "narrow.yaml", *given]) == 0
+    assert "rad/s off" in capsys.readouterr().err
 
 
 @pytest.mark.slow

@@ -9,7 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from imugap.filters.zero_velocity import MOVING, STILL
+from imugap.effects import Bias, TurnOnBias
+from imugap.effects.effect import AxisModel
+from imugap.filters.sensor_states import SensorStates
+from imugap.filters.zero_velocity import MOVING, STILL, Stand
 from imugap.integrity.timestamps import filled
 from imugap.io.recording import Recording
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
@@ -29,6 +32,8 @@ DEFAULT_MODEL = ErrorModel.from_mapping(
     {axis: [GYRO_CLASS] for axis in GYRO} | {axis: [ACCEL_CLASS] for axis in ACCEL}
 )  # fmt: skip
 """Error model of an unknown device on a foot: that of a cheap device, larger for the shocks."""
+IMPROBABLE_SIGMA = 5.0
+"""Deviation from which on the rate at a stand contradicts the error model."""
 INDOORS = WalkAssumptions(floor_std=0.01)
 """Assumptions within a building: floors are level except for stairs and ramps."""
 
@@ -152,6 +157,45 @@ class NavigatedWalk:
         stds = (factor * part.add_suffix(STD) for part in (one.trajectory_std, one.sensors_std))
         parts = [one.trajectory, next(stds), one.sensors, next(stds)]
         return pd.concat(parts, axis=1).assign(stance=one.phase > MOVING)
+
+
+def with_turn_on(model: ErrorModel) -> tuple[ErrorModel, tuple[str, ...]]:
+    """Return a model of which every axis has a turn-on bias, and a sentence on those that had none.
+
+    The bias of one log is no knowledge of another run: an axis that does not say how far it differs from one start to
+    the next begins at zero, with the larger of its bias and what a cheap device has.
+    """
+    unknown = [
+        axis for axis, own in model.axes.items() if axis in AXES and not any(isinstance(one, TurnOnBias) for one in own)
+    ]
+    if not unknown:
+        return model, ()
+    changed = {}
+    for axis in unknown:
+        kept = [effect for effect in model.axes[axis] if not isinstance(effect, Bias)]
+        level = abs(sum(effect.value for effect in model.axes[axis] if isinstance(effect, Bias)))
+        usual = (GYRO_CLASS if axis in GYRO else ACCEL_CLASS)["turn_on_bias"]["std"]
+        changed[axis] = AxisModel((*kept, TurnOnBias(max(level, usual))))
+    said = f"no turn-on bias of {', '.join(unknown)}: it begins at zero, as uncertain as that of a cheap device"
+    return replace(model, axes={**model.axes, **changed}), (said,)
+
+
+def contradicted(model: ErrorModel, stand: Stand, interval: float) -> tuple[str, ...]:
+    """Return which rates of the stand at the begin are far beyond what a model allows, a sentence.
+
+    Parameters
+    ----------
+    interval
+        Sampling interval [s].
+    """
+    states, length = SensorStates.of(model), stand.count * interval
+    found = []
+    for number, axis in enumerate(GYRO if stand.still else ()):
+        variance = states.variance[states.axis == number].sum() + states.white[number] / length + INDOORS.rate_std**2
+        std, off = np.sqrt(variance), stand.bias[number] - states.fixed[number]
+        if abs(off) > IMPROBABLE_SIGMA * std:
+            found.append(f"{axis} is {off:+.2g} rad/s off, where it allows {std:.1g}")
+    return (f"at the stand at the begin {'; '.join(found)}: the model of another device?",) if found else ()
 
 
 def navigate_walk(inputs: WalkInputs) -> NavigatedWalk:
