@@ -16,9 +16,10 @@ from imugap.analysis.walk import INDOORS, STD, WalkInputs, navigate_walk
 from imugap.commands.walk import FILES
 from imugap.figures.walk import ellipse
 from imugap.kinematics.strapdown import COLUMNS
-from imugap.log import GYRO
+from imugap.log import AXES, GYRO
+from imugap.model import ErrorModel
 from imugap.navigation.walk.pedestrian import WalkAssumptions
-from imugap.simulation.walk import Walk, WalkCourse
+from imugap.simulation.walk import Walk, WalkCourse, WalkLeg
 from imugap.stream import stream
 from imugap.workflow.tables import measured
 
@@ -81,6 +82,38 @@ def test_the_folder_is_whole_and_says_how_far_the_walk_went_and_where_it_ended(h
     assert set(COLUMNS) | {name + STD for name in COLUMNS} | {"stance"} < set(table.columns)
     assert np.hypot(*table[["north", "east"]].iloc[-1]) == pytest.approx(found["end_horizontal_m"])
     assert not table.isna().any().any()
+
+
+def test_pace_and_strides_are_those_of_the_gait_at_any_epoch(recipe):
+    """Straight strides: speed and cadence of the recipe, and the time without stands; no epoch in a table."""
+    straight = replace(recipe, course=WalkCourse(4.0, (WalkLeg(STRIDES),), 3.0))
+    record = straight.record(1, SEED)
+    late = record.set_index(pd.Index(record.index + 1274437206.0, name="time"))
+    found, other = (navigate_walk(WalkInputs(one, recipe.model)) for one in (record, late))
+    gait, summary = recipe.gait, found.summary()
+    assert summary["speed_m_per_s"] == pytest.approx(gait.length_m / gait.stride_s, rel=0.01)
+    assert summary["cadence_per_min"] == pytest.approx(60 / gait.stride_s, rel=0.01)
+    assert summary["walking_s"] == pytest.approx(STRIDES * gait.stride_s, abs=1.0)
+    assert summary["duration_s"] == pytest.approx(straight.duration_s, abs=0.01)
+    assert list(found.strides()["stride"]) == list(range(1, STRIDES + 1))
+    np.testing.assert_allclose(other.strides(), found.strides(), atol=1e-3)
+    assert other.strides()["end"].max() < straight.duration_s
+
+
+def test_the_bias_of_another_run_is_no_knowledge_and_a_wrong_model_is_said(here, recipe, capsys):
+    """A model with biases alone begins at zero and errs no more than it says; one of small spread is contradicted."""
+    other = {axis: [{"white_noise": {"density": 3e-4}}, {"bias": {"value": 0.02}}] for axis in AXES}
+    ErrorModel.from_mapping(other).write("other.yaml")
+    narrow = {axis: [*one, {"turn_on_bias": {"std": 1e-4}}] for axis, one in other.items()}
+    ErrorModel.from_mapping(narrow).write("narrow.yaml")
+    given = ["--gravity", str(recipe.site.gravity), "--out", "found"]
+    assert cli.main(["walk", "walk.csv", "--model", "other.yaml", *given]) == 0
+    said, found = capsys.readouterr().err, strict_json.load("found/summary.json")
+    assert "other.yaml: no turn-on bias of gyro_x, gyro_y, gyro_z, accel_x" in said
+    assert "the model of another device?" not in said
+    assert found["end_horizontal_m"] < 3 * found["end_horizontal_m_std"]
+    assert cli.main(["walk", "walk.csv", "--model", "narrow.yaml", *given]) == 0
+    assert "rad/s off" in capsys.readouterr().err
 
 
 @pytest.mark.slow
@@ -157,7 +190,7 @@ def test_lost_samples_are_filled(recipe):
 
 FAULTS = {
     "late.parquet": r"late.parquet: walk: expected a stand of 0.2 s or more at the start \(or --heading-free\); found",
-    "gap.csv": "gap.csv: walk: expected gaps of at most 0.1 s; found 0.505 s after 7",
+    "gap.csv": "gap.csv: walk: expected gaps of at most 0.1 s; found 0.505 s, 6.995 s after the begin",
     "none.csv": "none.csv",
     "walk.csv --model none.yaml": "none.yaml",
     "walk.csv --model empty.yaml": "empty.yaml: expected a model of at least one axis; found none",

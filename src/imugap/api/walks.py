@@ -7,11 +7,20 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from imugap.analysis.walk import DEFAULT_MODEL, INDOORS, NavigatedWalk, WalkInputs, navigate_walk
+from imugap.analysis.walk import (
+    DEFAULT_MODEL,
+    INDOORS,
+    NavigatedWalk,
+    WalkInputs,
+    contradicted,
+    navigate_walk,
+    with_turn_on,
+)
 from imugap.api.logs import LogSource, ModelSource, input_of, open_model, read
 from imugap.api.result import Result, call
 from imugap.interchange.start_models.reading import Reading
 from imugap.log import rate as rate_of
+from imugap.model import ErrorModel
 from imugap.navigation.walk.pedestrian import WalkAssumptions
 from imugap.pages.provenance import Provenance
 from imugap.units import STANDARD_GRAVITY, to_si
@@ -110,14 +119,24 @@ def walk(
     given = Reading(DEFAULT_MODEL) if opened is None else opened.at(rate_of(inputs.log))
     ground = WalkAssumptions() if outdoors else INDOORS
     assumptions = replace(ground, gravity=gravity, full_scale=to_si(full_scale, "g"), heading_free=heading_free)
-    errors = given.model if opened is None else given.model.require_axes(opened.path)
+    errors, remarks = (given.model, ()) if opened is None else _of_this_run(given.model, opened.path)
     inputs = replace(inputs, model=errors, assumptions=assumptions)
     try:
         navigated = navigate_walk(inputs)
     except ValueError as error:
         raise ValueError(f"{found.source}: {error}") from error
-    files = (found.as_input("log"), *input_of(opened, given.remarks))
+    if opened is not None:
+        remarks += contradicted(errors, navigated.smoothed.stand, 1 / rate_of(inputs.log))
+    files = (found.as_input("log"), *input_of(opened, (*given.remarks, *remarks)))
     made = call("walk", [found.source], model=model, effects=effects, outdoors=outdoors, heading_free=heading_free)
     settings = {"gravity [m/s²]": gravity, "floors": "any" if outdoors else "level but for stairs and ramps"}
     settings["start"] = "stand" if navigated.smoothed.stand.still else "in motion"
     return Walked(found=navigated, provenance=Provenance(made, files, settings))
+
+
+def _of_this_run(model: ErrorModel, source: object) -> tuple[ErrorModel, tuple[str, ...]]:
+    """Return a given model for a run of its device, and what was changed; ValueError with the next step."""
+    try:
+        return with_turn_on(model.require_axes(source))
+    except ValueError as error:
+        raise ValueError(f"{error} (without a model that of a cheap device is taken)") from error

@@ -2,19 +2,23 @@
 
 from collections.abc import Mapping
 
+import pandas as pd
+
 from imugap.analysis.walk import STD, NavigatedWalk
 from imugap.figures import walk
 from imugap.figures.style import CARD
 from imugap.pages.page import DataTable, Fold, Gallery, Page, Part, Picture, Text
-from imugap.workflow.tables import measured
+from imugap.workflow.tables import fixed, measured
 
 TITLES = {
     "distance_m": "distance [m]",
-    "duration_s": "duration [s]",
+    "walking_s": "without stands [s]",
     "strides": "strides",
+    "speed_m_per_s": "speed of a stride [m/s]",
+    "cadence_per_min": "strides a minute",
     "end_horizontal_m": "horizontal offset [m]",
     "end_vertical_m": "vertical offset [m]",
-    "end_heading_deg": "change of heading [°]",
+    "end_heading_deg": "net change of heading [°]",
 }
 SENTENCES = {
     "height": "Height above the begin; the band is one standard deviation.",
@@ -28,20 +32,23 @@ COLUMNS = {
 ACCURACY = (
     "Offsets are those of the end from the begin. Positions are relative to the begin, north is the heading of the "
     "device there. Deviations are standard deviations that the filter states; after each stance the position is held "
-    "by the velocity of zero, and the heading drifts freely."
+    "by the velocity of zero, and the heading drifts freely. The distance is the sum of the horizontal chords between "
+    "successive stances; its deviation holds noise and biases of the error model and the motion of the foot at stance, "
+    "with what all strides have in common, but no scale factors. Speed and strides a minute are those of the foot, "
+    "over the strides but the first, the last and those with a stand."
 )
 BETWEEN = (
-    "Strides between the middles of stances, ± one standard deviation of the chord between them; the first and the "
-    "last hold half of the stand beside them. The peak height is that of the device over the chord, larger than the "
-    "minimum clearance of the toe."
+    "Times are seconds since the begin of the log, at {begin:.10g} s of its clock. Strides are between the middles of "
+    "stances, ± one standard deviation of the chord between them; the first and the last hold half of the stand beside "
+    "them. The peak height is that of the device over the chord, larger than the minimum clearance of the toe."
 )
 
 
 def page(found: NavigatedWalk) -> Page:
     """Compose the page of a walk."""
     summary, strides = found.summary(), found.strides()
-    numbers = ([_shown(row, name) for name in COLUMNS] for row in strides.to_dict("records"))
-    rows = tuple((str(ordinal), *row) for ordinal, row in enumerate(numbers, start=1))
+    cells = [strides["stride"].astype(str), *(_shown(strides, name) for name in COLUMNS)]
+    rows = tuple(zip(*cells, strict=True))
     begin_end = Picture(
         walk.plan(found.smoothed, CARD),
         "The walk from above, with the places of the stances. The cross is the end; an ellipse around it, where it is "
@@ -52,7 +59,7 @@ def page(found: NavigatedWalk) -> Page:
         Picture(walk.over_time(found.smoothed, name), sentence, f"Curve of the {name} over time")
         for name, sentence in SENTENCES.items()
     ]
-    table = DataTable(BETWEEN, ("stride", *COLUMNS.values()), rows)
+    table = DataTable(BETWEEN.format(begin=found.smoothed.time[0]), ("stride", *COLUMNS.values()), rows)
     medians = strides[["length", "duration", "peak_height"]].median()
     usual = "Median stride: {length:.3g} m in {duration:.3g} s, peak height {peak_height:.2g} m.".format(**medians)
     return Page(
@@ -70,13 +77,21 @@ def page(found: NavigatedWalk) -> Page:
     )
 
 
-def _shown(stride: Mapping[str, float], name: str) -> str:
-    """Return a number of a stride: with the standard deviation where there is one, else to a hundredth or a mm."""
-    if stride.get(name + STD, 0) > 0:
-        return " ± ".join(measured(stride[name], stride[name + STD]))
-    return f"{stride[name]:.{2 if name in ('start', 'duration') else 3}f}"
+def _shown(strides: pd.DataFrame, name: str) -> list[str]:
+    """Return a column of the strides as text: to two digits of the median deviation, or to a hundredth or a mm."""
+    decimals = 2 if name in ("start", "duration") else 3
+    if name + STD not in strides or not len(strides):
+        return [fixed(value, decimals) for value in strides[name]]
+    _, usual = measured(0.0, float(strides[name + STD].median()))
+    decimals = len(usual.partition(".")[2])
+    return [
+        f"{fixed(value, decimals)} ± {fixed(std, decimals)}"
+        for value, std in zip(strides[name], strides[name + STD], strict=True)
+    ]
 
 
 def extent(summary: Mapping[str, float]) -> tuple[tuple[str, str, str], ...]:
     """Return title, value and standard deviation of each number of the extent."""
-    return tuple((title, *measured(summary[key], summary[key + STD])) for key, title in TITLES.items())
+    return tuple(
+        (title, *measured(summary[key], summary[key + STD])) for key, title in TITLES.items() if key in summary
+    )
