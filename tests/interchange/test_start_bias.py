@@ -35,3 +35,8 @@ def test_the_known_biases_are_those_of_the_gyroscopes_and_along_gravity():
 
 def test_a_device_that_is_not_level_is_as_uncertain_as_gravity():
     assert accel(5.0, 0.0, -np.sqrt(GRAVITY**2 - 25))[:, 1] == pytest.approx(0.043)
+
+
+def test_accelerometers_whose_gravity_was_removed_show_no_bias():
+    levels = dict(zip((*GYRO, *ACCEL), (1e-3, 0.0, 0.0, 0.02, 0.0, -0.1), strict=True))
+    assert set(known_biases(levels, GRAVITY)) == set(start_bias(levels, GRAVITY)) == {*GYRO}

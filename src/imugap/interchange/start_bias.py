@@ -10,6 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from imugap.effects import Bias, TurnOnBias
+from imugap.integrity.rest import GRAVITY_LEAST
 from imugap.kinematics.earth import ROTATION_RATE
 from imugap.log import ACCEL, GYRO
 
@@ -25,8 +26,9 @@ def known_biases(levels: Mapping[str, float], gravity: float) -> dict[str, float
     Parameters as :func:`start_bias`.
     """
     found = {axis: levels[axis] for axis in GYRO if axis in levels}
-    if set(ACCEL) <= set(levels):
-        found["accel"] = float(np.linalg.norm([levels[axis] for axis in ACCEL])) - gravity
+    force = _force(levels, gravity)
+    if force is not None:
+        found["accel"] = float(np.linalg.norm(force)) - gravity
     return found
 
 
@@ -43,11 +45,19 @@ def start_bias(levels: Mapping[str, float], gravity: float) -> dict[str, tuple[B
     gyro = {axis: levels[axis] for axis in GYRO if axis in levels}
     std = max([ROTATION_RATE, *map(abs, gyro.values())])
     found = {axis: (Bias(level), TurnOnBias(std)) for axis, level in gyro.items()}
-    if not set(ACCEL) <= set(levels):
+    force = _force(levels, gravity)
+    if force is None:
         return found
-    force = np.array([levels[axis] for axis in ACCEL])
     norm = float(np.linalg.norm(force))
     across = np.sort(np.abs(force))[:2].max()
     spread = float(max(SITE, abs(norm - gravity), across if across < UPRIGHT * norm else 0.0))
     along = (norm - gravity) * force / norm
     return found | {axis: (Bias(float(one)), TurnOnBias(spread)) for axis, one in zip(ACCEL, along, strict=True)}
+
+
+def _force(levels: Mapping[str, float], gravity: float) -> np.ndarray | None:
+    """Return the specific force, shape (3,); None where an axis or gravity is missing, so that it shows no bias."""
+    if not set(ACCEL) <= set(levels):
+        return None
+    force = np.array([levels[axis] for axis in ACCEL])
+    return force if np.linalg.norm(force) >= GRAVITY_LEAST * gravity else None
