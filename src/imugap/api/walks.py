@@ -75,7 +75,7 @@ class Walked(Result):
 
         return {
             "solution.parquet": self.trajectory, "strides.csv": self.strides, "summary.json": self.summary,
-            "plan.svg": walk.plan(self.found.smoothed), "height.svg": walk.height(self.found.smoothed),
+            "plan.svg": walk.plan(self.found.smoothed), "over_time.svg": walk.all_over_time(self.found.smoothed),
         }  # fmt: skip
 
     def _page(self) -> "Page":

@@ -11,7 +11,7 @@ from imugap.commands.reading import LOG_HELP, MODEL_HELP, add_reading, read, say
 from imugap.pages.shown import summary_text
 from imugap.pages.walk import extent
 
-FILES = ("report.html", "solution.parquet", "strides.csv", "summary.json", "inputs.json", "plan.svg", "height.svg")
+FILES = ("report.html", "solution.parquet", "strides.csv", "summary.json", "inputs.json", "plan.svg", "over_time.svg")
 """Files of the folder."""
 
 

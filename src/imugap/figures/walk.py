@@ -33,7 +33,7 @@ def plan(solution: WalkSolution, width: float = WIDTH) -> Figure:
     if seen:
         panel.plot(*edge.T, color="black", lw=0.8, label=f"end, {LEVEL:.0%}")
     panel.plot(*path[-1], "x", color="black", ms=4, label=None if seen else "end")
-    panel.set(xlabel="east [m]", ylabel="north [m]", aspect="equal")
+    panel.set(xlabel="right of the heading at the begin [m]", ylabel="along that heading [m]", aspect="equal")
     few_ticks(panel)
     panel.set_adjustable("datalim")
     legend_below(figure, 4)
@@ -51,7 +51,7 @@ def ellipse(middle: np.ndarray, covariance: np.ndarray, level: float = LEVEL) ->
     return middle + circle * np.sqrt(np.maximum(values, 0)) @ vectors.T
 
 
-def height(solution: WalkSolution) -> Figure:
+def all_over_time(solution: WalkSolution) -> Figure:
     """Draw height and heading over time, with their standard deviations, and the speed with the stances."""
     figure, grid = panels_of(3, 1, 5.0, sharex=True)
     for panel, name in zip(grid[:, 0], OVER_TIME, strict=True):
