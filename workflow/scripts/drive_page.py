@@ -87,9 +87,12 @@ def kinds_page(kinds):
     return shown
 
 
-def ratio(scores, scheme, seed, score="horizontal_95", case=CONTAMINATED):
-    """Return the 95th percentile over that of the clean case: ratio of the means over the runs, with its interval."""
-    usual = (scores["case"] == CLEAN) & (scores["scheme"] == OF.get(scheme, scheme))
+def ratio(scores, scheme, seed, score="horizontal_95", case=CONTAMINATED, over=None):
+    """Return the 95th percentile over that of the clean case: ratio of the means over the runs, with its interval.
+
+    The clean case is that of the scheme itself, or of the scheme ``over``.
+    """
+    usual = (scores["case"] == CLEAN) & (scores["scheme"] == (over or OF.get(scheme, scheme)))
     spoilt = (scores["case"] == case) & (scores["scheme"] == scheme)
     of = scores[usual | spoilt].pivot(index="run", columns="case", values=score).dropna()
     middle = of[case].mean() / of[CLEAN].mean()
@@ -152,6 +155,9 @@ def numbers(scores, recovery, recipe, seed, runs):
         "alone": {
             kind: {scheme: ratio(scores, scheme, seed, case=case) for scheme in (*PARTS[case], WHEELS[WHOLE])}
             for kind, case in ALONE.items()
+        },
+        "over_plain": {
+            scheme: ratio(scores, scheme, seed, over=PLAIN) for scheme in (WHEELS[WHOLE], SMOOTHED, WHEELS[SMOOTHED])
         },
         "gains": {scheme: gain(scores, scheme, case) for scheme, case in GAINS.items()},
         "wheels": WHEELS,

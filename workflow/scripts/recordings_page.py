@@ -1,4 +1,4 @@
-"""Tabulate what was found on recordings of devices that took no part in building the method."""
+"""Tabulate what was found on recordings of other devices."""
 
 from math import isfinite, nan
 

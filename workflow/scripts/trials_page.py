@@ -17,7 +17,6 @@ from imugap.workflow.products import record_of, save
 CHOICES = len(CATALOGUE) * len(AXES)
 RESAMPLES = 400
 """Resamples of the cases for the interval of the calibration error."""
-MAX_LOSS = 2.0
 CALIBRATION_AIM = 0.03
 """What the calibration error is to be at most."""
 
@@ -77,7 +76,7 @@ def placed(table):
 def numbers(table, losses, tried):
     """Return what the text says; ``tried`` are the largest sizes [limits] of each effect."""
     sets, found = ambiguity_sets(table), losses[np.isfinite(losses["loss"])]
-    largest, far = found.loc[found["loss"].idxmax()], losses[losses["loss"] > MAX_LOSS].sort_values("loss")
+    largest = found.loc[found["loss"].idxmax()]
     seen = ambiguity_sets(placed(table))
     held, held_seen = rate(sets["holds"]), rate(seen["holds"])
     low, high = calibration_interval(table)
@@ -105,8 +104,6 @@ def numbers(table, losses, tried):
         "largest_loss": tables.number(float(largest["loss"]), 2),
         "largest_name": title_of(str(largest["name"])),
         "largest_tried": bool(largest["half"] <= tried[largest["name"]]),
-        "beyond": len(far),
-        "beyond_names": [title_of(name) for name in far["name"]],
         "below_names": [title_of(name) for name in losses["name"][losses["high"] < 1]],
         "choices": CHOICES,
         "bound": f"{bonferroni_half_size(CHOICES):.2f}",
