@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from imugap.io.recording import of_table, read
+from imugap.io.recording import RecordingSettings, of_table, read
 from imugap.io.rows import SMALLEST_SAMPLE
 from imugap.log import COLUMNS, LogError, check, from_samples, write
 from imugap.stream import stream
@@ -270,3 +270,14 @@ def test_rates_beside_forces_that_never_change_have_no_unit_by_gravity():
     table = pd.DataFrame({"time": 0.01 * np.arange(2000)} | rates | forces)
     with pytest.raises(LogError, match="unit"):
         of_table(table)
+
+
+def test_the_column_of_the_stamps_alone_may_be_named(tmp_path):
+    """The axes are those of the names in the file; another column that may be stamps gives way."""
+    rng = stream(4, "stamps by name")
+    table = pd.DataFrame({"utc_s": 1.7e9 + 0.01 * np.arange(300), "ts": np.arange(300) * 7})
+    table = table.assign(**{f"g{axis}_dps": rng.normal(0, 0.1, 300) for axis in "xyz"})
+    table.to_csv(tmp_path / "log.csv", index=False)
+    found = read(tmp_path / "log.csv", RecordingSettings(columns=("time=utc_s",)))
+    assert list(found.table) == list(COLUMNS[:3])
+    np.testing.assert_allclose(found.table.index, table["utc_s"])

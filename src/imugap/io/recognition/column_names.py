@@ -21,7 +21,7 @@ from imugap.io.recognition.unit_text import (
     quantity_of,
     unit_of,
 )
-from imugap.log import ACCEL, COLUMNS, GYRO, TEMPERATURE, TIME
+from imugap.log import ACCEL, AXES, COLUMNS, GYRO, TEMPERATURE, TIME
 from imugap.units import factor
 
 SKIP = "-"
@@ -95,7 +95,7 @@ ABSCISSA = "x_value"
 """Column of the time in files of measurements, as LabVIEW writes them."""
 BRACKET = re.compile(r"[\[(]\s*([^\[\]]*?)\s*[\])]\s*$")
 LETTERS = {"x": 0, "y": 1, "z": 2}
-AXES = LETTERS | {"0": 0, "1": 1, "2": 2, "3": 3}
+NUMBERED = LETTERS | {"0": 0, "1": 1, "2": 2, "3": 3}
 """Words of axes; a number beside a letter is that of a channel or a device. Numbers count from 0, or from 1 to 3."""
 SHORT_WORD = re.compile(r"[A-Za-z]{2,3}")
 """Words in square brackets that are units, if of no known one."""
@@ -186,7 +186,7 @@ def meaning(name: str) -> Meaning | None:
     turning = next((k for k, pair in enumerate(pairwise(words)) if pair[0] in FLIGHT and pair[1] == "rate"), None)
     if turning is not None:
         words = [*words[:turning], "rate", FLIGHT[words[turning]], *words[turning + 2 :]]
-    axis = next((word for known in (LETTERS, AXES) for word in reversed(words) if word in known), None)
+    axis = next((word for known in (LETTERS, NUMBERED) for word in reversed(words) if word in known), None)
     if axis is not None:
         place = len(words) - 1 - words[::-1].index(axis)
         words = words[:place] + words[place + 1 :]
@@ -211,7 +211,7 @@ def meaning(name: str) -> Meaning | None:
     inertial = quantity in TRIADS
     if inertial and axis is None:
         return None
-    return Meaning(quantity, AXES[axis] if inertial else None, unit, tuple(words), bool(FREE & set(words)))
+    return Meaning(quantity, NUMBERED[axis] if inertial else None, unit, tuple(words), bool(FREE & set(words)))
 
 
 def assign(names: Sequence[str]) -> Assignment:
@@ -299,12 +299,14 @@ def chosen(names: Sequence[str], columns: Sequence[str]) -> tuple[str, ...]:
         Names in the file, or empty texts where it has no header.
     columns
         Either a name for each column of the file from left to right, ``-`` for one that is not read; or
-        ``canonical=name in the file`` for some; or names in the file (or canonical ones) of those that are read.
+        ``canonical=name in the file`` for some; or names in the file (or canonical ones) of those that are read. Where
+        ``time`` or ``temperature`` alone is given so, the axes are those that the names in the file say.
     """
     if any("=" in one for one in columns):
         pairs = dict(one.split("=", 1)[::-1] for one in columns)
         _require_known(pairs, names)
-        return tuple(pairs.get(name, SKIP) for name in names)
+        others = [SKIP] * len(names) if set(pairs.values()) & set(AXES) else _without(names, pairs)
+        return tuple(pairs.get(name, other) for name, other in zip(names, others, strict=True))
     if len(columns) == len(names) and not set(columns) <= set(names):
         return tuple(columns)
     if not any(names):
@@ -314,6 +316,15 @@ def chosen(names: Sequence[str], columns: Sequence[str]) -> tuple[str, ...]:
     _require_known(columns, list(return_names))
     kept = {return_names[one] for one in columns}
     return tuple(name if name in kept else SKIP for name in names)
+
+
+def _without(names: Sequence[str], pairs: Mapping[str, str]) -> list[str]:
+    """Return the names of the columns of a file, without those that mean what pairs of a name and a meaning give."""
+    found = [None if name in pairs else meaning(name) for name in names]
+    return [
+        SKIP if one is not None and one.quantity in pairs.values() else name
+        for name, one in zip(names, found, strict=True)
+    ]
 
 
 def nearest(names: Iterable[str]) -> str:
@@ -350,7 +361,7 @@ def _is_short_unit(text: str) -> bool:
 
 def _foreign_unit(base: str) -> str | None:
     """Return the unit of no inertial sensor at the end of a name without brackets, such as mV, or None."""
-    *_, last = [part for part in re.split(r"[\W_]+", base) if part.lower() not in AXES] or [""]
+    *_, last = [part for part in re.split(r"[\W_]+", base) if part.lower() not in NUMBERED] or [""]
     return last if len(last) > 1 and last != base and is_foreign(last) else None
 
 
