@@ -34,6 +34,8 @@ CROSS = ((0, 1), (6, 7), (6, 8), (7, 8))
 """Covariances stored besides the variances: of the horizontal position, and of the attitude."""
 BLOCK = 256
 """Epochs in a block of the smoother."""
+ROUNDING = 1e-15
+"""Rounding of the information of later measurements, over the largest that it has been [1]: some units of a float."""
 NOWHERE = np.empty(0, np.int64)
 """No ends of chords."""
 
@@ -210,10 +212,13 @@ def write_epoch(history, k, nav, errors, covariance):
 
 
 @njit(cache=True, error_model="numpy")
-def smooth_block(history, first, last, block, adjoint, information, chords, carried):
+def smooth_block(history, first, last, block, adjoint, information, most, chords, carried):
     """Correct the history of a block by all later measurements, and propagate the adjoint back over it.
 
-    ``carried`` are the functionals of the chords (:mod:`imugap.filters.chords`), which go back with the adjoint.
+    Behind an outage the first fixes take off nearly all of a large covariance, and of the information little is left
+    over its rounding: no variance is stated below what that makes of it. ``most`` is the largest information on each
+    state so far, shape (states,). ``carried`` are the functionals of the chords (:mod:`imugap.filters.chords`), which
+    go back with the adjoint.
     """
     size = len(adjoint)
     error, work = np.empty(size), np.empty((size, size))
@@ -237,9 +242,11 @@ def smooth_block(history, first, last, block, adjoint, information, chords, carr
             history.errors[k, s] -= error[NAVIGATION + s]
         multiply_matrices(covariance, information, work)
         for i in range(size):
-            history.variances[k, i] = covariance[i, i]
+            variance, rounding = covariance[i, i], 0.0
             for m in range(size):
-                history.variances[k, i] -= work[i, m] * covariance[m, i]
+                variance -= work[i, m] * covariance[m, i]
+                rounding += ROUNDING * most[m] * covariance[m, i] * covariance[m, i]
+            history.variances[k, i] = max(variance, rounding)
         for c in range(4):
             i, j = CROSS[c]
             history.cross[k, c] = covariance[i, j]
@@ -257,6 +264,8 @@ def smooth_block(history, first, last, block, adjoint, information, chords, carr
                 )  # fmt: skip
         carry_transition(carried, block.transposed[slot], work[0])
         adjoint_transition(adjoint, information, block.transposed[slot], work)
+        for i in range(size):
+            most[i] = max(most[i], information[i, i])
 
 
 def run_filter(step: Callable, state, history: History) -> None:
@@ -298,11 +307,12 @@ def run_smoother(
         starts.append(state.copy())
         step(first, last, state, SmootherBlock.empty(0, size))
     adjoint, information, carried = np.zeros(size), np.zeros((size, size)), np.zeros((LENGTH + 1, size))
+    most_known = np.zeros(size)
     chords = Chords.between(ends, history.navigation[ends, :3], shortest)
     for (first, last), start in zip(reversed(blocks), reversed(starts), strict=True):
         block = SmootherBlock.empty(last - first, size, most)
         step(first, last, start, block)
-        smooth_block(history, first, last, block, adjoint, information, chords, carried)
+        smooth_block(history, first, last, block, adjoint, information, most_known, chords, carried)
     return chords
 
 

@@ -121,6 +121,23 @@ def test_the_smoother_errs_as_much_as_it_says_and_less_than_the_filter(lap, assu
     assert (size[True][:6] < 0.85 * size[False][:6]).all()
 
 
+@pytest.mark.parametrize("louder", [10, 100])
+def test_the_smoother_bears_exact_fixes_behind_a_long_outage(lap, assumptions, louder):
+    """They take off all but 1e-13 of the variance: of the difference of both no digit is left in places."""
+    place = lap.antenna()
+    fixes = gnss.from_local(place.index.to_numpy(), place.to_numpy(), np.full((len(place), 6), 1e-3), lap.ellipsoid)
+    fixes = fixes[(fixes.index <= OUTAGE[0]) | (fixes.index > OUTAGE[1])]
+    model = {axis: [WhiteNoise(louder * one.density) if isinstance(one, WhiteNoise) else one for one in own]
+             for axis, own in lap.model.axes.items()}  # fmt: skip
+    noisy = replace(lap, model=ErrorModel({axis: AxisModel(tuple(own)) for axis, own in model.items()}))
+    one = drive(noisy, assumptions, 1, fixes=fixes, smooth=True)
+    inside = np.flatnonzero((one.time > OUTAGE[0]) & (one.time <= OUTAGE[1]))
+    off = navigation_error(noisy, one, inside)[:, :3]
+    std = np.sqrt(one.history.variances[inside, :3])
+    assert (std > 0).all()
+    assert (np.abs(off) < 6 * std + 0.01).all()
+
+
 def test_with_all_gates_open_the_gated_filter_is_the_plain_one(lap, assumptions):
     """To the bit: a gate that never closes is none."""
     never = 1e-300

@@ -434,9 +434,13 @@ def _with_slow_errors(inputs: DriveInputs) -> DriveInputs:
 def _slow_errors(inputs: DriveInputs) -> bool:
     """Return whether fixes are off the smoothed path to the same side a second later, in both halves of a drive.
 
-    Of a normal process the arcsine law tells the correlation; an offset of some fixes does not count.
+    Of a normal process the arcsine law tells the correlation; an offset of some fixes does not count. Where no path is
+    known, it is not seen.
     """
-    one = solve(inputs, smooth=True)
+    try:
+        one = solve(inputs, smooth=True)
+    except ValueError:  # no path is known, as over an outage with far too little noise
+        return False
     off = off_path(inputs, one)[:, :2]
     lag = max(round(SLOW_S / float(np.median(np.diff(one.fix_time)))), 1)
     alike = (np.sign(off[lag:]) * np.sign(off[:-lag])).mean(axis=1)
