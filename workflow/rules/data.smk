@@ -64,6 +64,7 @@ for device, runs in LOGS.items():
             runs=runs,
             raw=lambda wildcards, paths=raw_logs(device): paths,
             states=states(OWN_FILES["own_logs"]) if device == "own" else [],
+            period_s=config["bias_stability_period_s"],
             code=library("ingest"),
         script:
             "../scripts/ingest.py"
