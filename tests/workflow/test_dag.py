@@ -164,7 +164,7 @@ def test_a_log_of_ones_own_has_any_name(two_runs, copied):
 
 def test_runs_of_ones_own_have_any_name_and_a_change_of_one_reruns_what_reads_it(copied, tmp_path):
     model = ErrorModel(dict.fromkeys(log.AXES, AxisModel((WhiteNoise(1e-4),))))
-    still = log.from_samples(dict.fromkeys(log.AXES, np.zeros(400)), 0.02)
+    still = log.from_samples(dict.fromkeys(log.AXES, np.zeros(6100)), 0.1)
     for run, name in enumerate(HARD):
         log.write(model.simulate(still, run, "workflow"), tmp_path / name)
     paths = [f"../{name}" for name in HARD]
@@ -177,6 +177,17 @@ def test_runs_of_ones_own_have_any_name_and_a_change_of_one_reruns_what_reads_it
     os.utime(tmp_path / HARD[0])
     found = snakemake("ingest_own", "--dry-run", *options, folder=copied)
     assert "rule ingest_own:" in found.stdout
+
+
+def test_a_run_of_ones_own_that_is_too_short_is_told_by_its_name(copied, tmp_path):
+    model = ErrorModel(dict.fromkeys(log.AXES, AxisModel((WhiteNoise(1e-4),))))
+    still = log.from_samples(dict.fromkeys(log.AXES, np.zeros(4500)), 0.1)
+    log.write(model.simulate(still, 1, "workflow"), tmp_path / "short.csv")
+    options = ("--config", f"own_logs=[{tmp_path / 'short.csv'}]", "devices={bench: [], adis16405: []}")
+    found = snakemake("ingest_own", "--cores", "1", *options, folder=copied)
+    assert found.returncode != 0
+    said = (copied / "logs/ingest/own.log").read_text()
+    assert re.search(r"short\.csv: duration: expected at least 600 s at rest.*; found 450 s", said)
 
 
 @pytest.mark.parametrize("kills", [2, 20])
