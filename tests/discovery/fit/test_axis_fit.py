@@ -50,3 +50,10 @@ def test_an_outlier_in_coloured_noise_is_one_sample():
     tails = fitted(data, Quantization(3e-4)).tails
     assert tails.clustered > np.log(0.01)
     assert 0.003 < tails.probability < 0.005
+
+
+def test_an_effect_without_the_slope_of_a_free_parameter_is_told():
+    data = sequence(count=100)
+    entry = Entry(Sinusoid(1.0, 1.0, 0.5), ("amplitude", "growth"))
+    with pytest.raises(ValueError, match="sinusoid: slopes: expected those of amplitude, growth; found"):
+        jacobian([entry], data)

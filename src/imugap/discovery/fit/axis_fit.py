@@ -403,6 +403,9 @@ def jacobian(terms: Sequence[Entry], sequence: AxisSequence) -> np.ndarray:
 
 def _slopes(term: Entry, sequence: AxisSequence) -> list[np.ndarray]:
     slopes = term.effect.slopes(sequence.conditions)
+    if not slopes.keys() >= set(term.free):
+        expected, found = ", ".join(term.free), ", ".join(slopes) or "none"
+        raise ValueError(f"{term.effect.name}: slopes: expected those of {expected}; found {found}")
     return [slopes[name] for name in term.free]
 
 
