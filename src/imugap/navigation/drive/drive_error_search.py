@@ -42,6 +42,8 @@ ROUNDS = 6
 """Largest number of corrections."""
 OFFSET_STD, OFFSET_LEAST = 0.3, 0.01
 """Standard deviation of a candidate time offset, and smallest that is named [s]."""
+OFFSET_STEPS = 0.08, 0.02, 0.005
+"""Steps in which a time offset is followed to the largest likelihood [s]."""
 LEVER_STD, LEVER_LEAST, LEVER_SIGMA = 2.0, 0.05, 5.0
 """Standard deviation of a candidate lever arm, smallest change that is named [m], and its significance."""
 SCALE_STD, SCALE_LEAST = 0.03, 0.01
@@ -56,6 +58,8 @@ SLOW_STD, SLOW_STEPS = (1.5, 1.5, 3.0), (4.0, 2.0)
 """Standard deviations of slow errors of a position from which their fit starts [m], and steps of its factors."""
 SLOW_S, SLOW_CORRELATION = 1.0, 0.3
 """Lag [s], and correlation of the fixes off the smoothed path from which on their errors are slow."""
+DEVICE_NOISE = "device noise"
+"""Name of the error that stands for any other, which keeps the path near the fixes."""
 DEVICE_FACTORS, DEVICE_STEP = (3.0, 10.0, 30.0), 10**0.25
 """Factors on the white noise of a device that are tried, and half a step of them."""
 GROUPS = (0, 1), (2,), (3, 4), (5,)
@@ -130,7 +134,7 @@ def correct(inputs: DriveInputs, stated: bool) -> tuple[DriveInputs, tuple[Corre
     stated
         Whether the noise of the receiver is stated; if not, it is estimated without a word.
     """
-    corrections, fixes = [], inputs.fixes
+    corrections, fixes, model = [], inputs.fixes, inputs.model
     if not stated:
         inputs = with_estimated_noise(inputs)
     while len(corrections) < ROUNDS:
@@ -146,7 +150,25 @@ def correct(inputs: DriveInputs, stated: bool) -> tuple[DriveInputs, tuple[Corre
         fixes = fixes.set_axis(best[0].fixes.index)
         inputs = best[0] if stated else with_estimated_noise(replace(best[0], fixes=fixes))
         corrections.append(best[1])
+        if best[1].error != DEVICE_NOISE:
+            inputs, corrections = _with_noise_anew(inputs, corrections, model)
     return inputs, tuple(corrections)
+
+
+def _with_noise_anew(
+    inputs: DriveInputs, corrections: list[Correction], model: ErrorModel
+) -> tuple[DriveInputs, list[Correction]]:
+    """Return inputs and corrections with the likeliest noise of the device over that of a model, if more was named.
+
+    Before it stood for what has been corrected since as well.
+    """
+    named = [one.error for one in corrections]
+    if DEVICE_NOISE not in named:
+        return inputs, corrections
+    plain, place = replace(inputs, model=model), named.index(DEVICE_NOISE)
+    tried = [(plain, ()), *((one, (found,)) for one, found in _device_noise(plain))]
+    best, found = max(tried, key=lambda one: _likelihood(one[0]))
+    return best, [*corrections[:place], *found, *corrections[place + 1 :]]
 
 
 def _candidates(
@@ -168,23 +190,44 @@ def _candidates(
         return
     if stated and "receiver noise" not in named:
         yield from _receiver_noise(inputs)
-    if "device noise" not in named:
+    if DEVICE_NOISE not in named:
         yield from _device_noise(inputs)
 
 
 def _time_offset(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]]:
-    """Estimate a time offset, twice, for the second estimate is nearer to where the equations are linear."""
+    """Estimate a time offset, twice, for the second estimate is nearer to where the equations are linear.
+
+    Other states take a part of a large one. So it is followed to the largest likelihood besides.
+    """
     tried = replace(inputs, assumptions=replace(inputs.assumptions, time_offset_std=OFFSET_STD))
     for _ in range(2):
         one = solve(tried)
         moved = tried.assumptions.time_offset_s + float(one.sensors[TIME_OFFSET].iloc[-1])
         tried = replace(tried, assumptions=replace(tried.assumptions, time_offset_s=moved))
-    moved = float(np.round(moved, 4))
+    moved = float(np.round(_likeliest_offset(inputs, moved), 4))
     tried = replace(tried, assumptions=replace(tried.assumptions, time_offset_s=moved, time_offset_std=OFFSET_STD))
     change = moved - inputs.assumptions.time_offset_s
     if abs(change) > OFFSET_LEAST:
         found = f"the stamps of the fixes are {abs(change):.3f} s {'late' if change < 0 else 'early'}"
         yield tried, Correction("time offset", found, f"time_offset: {{offset_s: {moved:.3f}}}")
+
+
+def _likeliest_offset(inputs: DriveInputs, offset: float) -> float:
+    """Return the time offset [s] near a given one at which the innovations are most likely."""
+
+    def likelihood(value: float) -> float:
+        return _likelihood(replace(inputs, assumptions=replace(inputs.assumptions, time_offset_s=value)))
+
+    best = likelihood(offset)
+    for step in OFFSET_STEPS:
+        sides = [step, -step]
+        while sides:
+            found = likelihood(offset + sides[0])
+            if found > best + NOISE_GAIN:
+                offset, best, sides = offset + sides[0], found, sides[:1]
+            else:
+                sides = sides[1:]
+    return offset
 
 
 def _clock_rate(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]]:
@@ -317,13 +360,13 @@ def _device_noise(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction
         tried, setting = replace(inputs, model=model), "model: a file with more white noise"
         if shown > factor / DEVICE_STEP:
             found = f"the device has some {factor:g} times the white noise of its model, as under vibration"
-            yield tried, Correction("device noise", found, setting)
+            yield tried, Correction(DEVICE_NOISE, found, setting)
         else:
             found = (
                 f"the device errs as by {factor:g} times the white noise of its model, which its samples do not show "
                 "(a device that was turned in its mounting, a bias that stepped, axes or scales that are wrong?)"
             )
-            yield tried, Correction("device noise", found, setting, explains=False)
+            yield tried, Correction(DEVICE_NOISE, found, setting, explains=False)
 
 
 def _noise_ratio(inputs: DriveInputs) -> float:
