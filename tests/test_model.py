@@ -154,7 +154,7 @@ def read(tmp_path):
         ("gyro_x: [[1]]", "gyro_x: expected an effect, .*; found a list of 1"),
         ("gyro_x: [{bias: [1]}]", "gyro_x: bias: expected a mapping of parameters; found a list of 1"),
         ("gyro_x: []\ngyro_x: []", "line 2, column 1: expected every key once"),
-        ("gyro_x: [{white_noise: {density: 1e160}}]", "gyro_x: white_noise: .* in .1e-30, 1e.30.; found 1e.160"),
+        ("gyro_x: [{white_noise: {density: 1e160}}]", "gyro_x: white_noise: .* in .1e-30, 1e.12.; found 1e.160"),
         ("gyro_x: [{white_noise: {density: 0100}}]", "line 1, column 34: expected a decimal number"),
         (f"gyro_x: [{', '.join(101 * ['{bias: {value: 1}}'])}]", "gyro_x: expected at most 100 effects; found 101"),
     ],

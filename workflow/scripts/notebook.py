@@ -11,7 +11,9 @@ from imugap.workflow.job_log import job
 with job(snakemake) as (source, _, output):
     notebook = nbformat.read(source.notebook, as_version=4)
     folder = Path(source.notebook).parent
-    NotebookClient(notebook, startup_timeout=600, resources={"metadata": {"path": folder}}).execute()
+    NotebookClient(
+        notebook, startup_timeout=600, coalesce_streams=True, resources={"metadata": {"path": folder}}
+    ).execute()
     page, _ = HTMLExporter().from_notebook_node(notebook)
     nbformat.write(notebook, output[0])
     Path(output.page).write_text(page)
