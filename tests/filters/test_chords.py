@@ -51,10 +51,10 @@ def test_chords_are_those_of_the_joint_covariance(edge):
     history, block, joint = drawn()
     chords = Chords.between(ENDS, stream(SEED, "places").standard_normal((len(ENDS), 3)), 0.0)
     adjoint, information, carried = np.zeros(NAVIGATION), np.zeros((NAVIGATION, NAVIGATION)), np.zeros((4, NAVIGATION))
-    most = np.zeros(NAVIGATION)
+    largest = np.zeros(NAVIGATION)
     for first, last in ((edge, EPOCHS), (1, edge)):
         part = SmootherBlock(*(one[first - 1 : last - 1] for one in block))
-        smooth_block(history, first, last, part, adjoint, information, most, chords, carried)
+        smooth_block(history, first, last, part, adjoint, information, largest, chords, carried)
     place = np.zeros((len(ENDS), 3, len(joint)))
     for number, end in enumerate(ENDS):
         place[number, :, end * NAVIGATION : end * NAVIGATION + 3] = np.eye(3)

@@ -10,6 +10,7 @@ from imugap.discovery.inputs import MIN_SAMPLES
 from imugap.discovery.preparation.shocks import common_shocks
 from imugap.effects.timestamp_jitter import TimestampJitter
 from imugap.estimation.indices import INDICES, shortest
+from imugap.estimation.log_length import DEVIATIONS
 from imugap.estimation.model_selection import SHORTEST
 from imugap.integrity import rest
 from imugap.integrity.regular import Fault, Regular, Remark, powered, without_power
@@ -56,8 +57,6 @@ SHIFTS = range(3, 17)
 """Bits that the counts of an axis may lack."""
 WIDTHS = (0.1, 0.5)
 """Half widths of 95 % intervals, relative, for which a verdict says what a log determines."""
-DEVIATIONS = 1.96
-"""Half width of a 95 % interval in standard deviations."""
 LISTED = 3
 """Number of shocks that are listed."""
 

@@ -7,7 +7,7 @@ Stages::
     export      estimates -> text of a filter    with upper bounds for what the log does not show
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -111,17 +111,25 @@ class LogEstimate:
         bounds = self.bounds if reduced else {}
         limits = {one.axis: reduced_limits.of(one, bounds.get(one.axis, ()), rule) for one in self.axes if reduced}
         misfits = {one.axis: one.goodness for one in self.axes if not one.fits}
-        names = {axis: axis for axis in axes}
-        notes = []
+        names, notes = {axis: axis for axis in axes}, []
         if target in OF_ROS and (own := own_axes(self.frame)):
-            names = {axis: f"{axis[:-1]}{own['xyz'.index(axis[-1])][-1]}" for axis in axes}
-            signs = {axis: -1.0 if own["xyz".index(axis[-1])][0] == "-" else 1.0 for axis in axes}
-            axes = {axis: AxisModel(tuple(_signed(effect, signs[axis]) for effect in axes[axis])) for axis in axes}
+            names, axes = _in_own_axes(axes, own)
             notes.append("Axes and the signs of biases: those of the log.")
         notes = [f"THE MODEL DOES NOT FIT THE LOG of {names[axis]}: {text}" for axis, text in misfits.items()] + notes
         rule = replace(rule, topic=self.topic)
         model, bounds, limits = ({names[axis]: one for axis, one in some.items()} for some in (axes, bounds, limits))
         return exported(ErrorModel(model), target, rule, bounds, distance, notes, limits)
+
+
+def _in_own_axes(axes: Mapping[str, AxisModel], own: Sequence[str]) -> tuple[dict[str, str], dict[str, AxisModel]]:
+    """Return the name in the log of each axis, and the models with their biases along the axes of the log.
+
+    ``own`` are the axes of the log that x, y and z are, with a minus sign where they are reversed.
+    """
+    along = {axis: own["xyz".index(axis[-1])] for axis in axes}
+    names = {axis: f"{axis[:-1]}{one[-1]}" for axis, one in along.items()}
+    signs = {axis: -1.0 if one.startswith("-") else 1.0 for axis, one in along.items()}
+    return names, {axis: AxisModel(tuple(_signed(one, signs[axis]) for one in model)) for axis, model in axes.items()}
 
 
 def _signed(effect: Effect, sign: float) -> Effect:

@@ -17,6 +17,7 @@ from imugap.log import GYRO
 NARROW = 0.1
 """Half width of an interval over its value that is narrow."""
 DEVIATIONS = float(ndtri(0.975))
+"""Half width of a 95 % interval in standard deviations."""
 STEPS = 8
 """Most corrections of a length; with the root of the length the first one is exact."""
 CLOSE = 0.02

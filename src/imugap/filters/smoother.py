@@ -212,11 +212,11 @@ def write_epoch(history, k, nav, errors, covariance):
 
 
 @njit(cache=True, error_model="numpy")
-def smooth_block(history, first, last, block, adjoint, information, most, chords, carried):
+def smooth_block(history, first, last, block, adjoint, information, largest, chords, carried):
     """Correct the history of a block by all later measurements, and propagate the adjoint back over it.
 
     Behind an outage the first fixes take off nearly all of a large covariance, and of the information little is left
-    over its rounding: no variance is stated below what that makes of it. ``most`` is the largest information on each
+    over its rounding: no variance is stated below what that makes of it. ``largest`` is the largest information on each
     state so far, shape (states,). ``carried`` are the functionals of the chords (:mod:`imugap.filters.chords`), which
     go back with the adjoint.
     """
@@ -245,7 +245,7 @@ def smooth_block(history, first, last, block, adjoint, information, most, chords
             variance, rounding = covariance[i, i], 0.0
             for m in range(size):
                 variance -= work[i, m] * covariance[m, i]
-                rounding += ROUNDING * most[m] * covariance[m, i] * covariance[m, i]
+                rounding += ROUNDING * largest[m] * covariance[m, i] * covariance[m, i]
             history.variances[k, i] = max(variance, rounding)
         for c in range(4):
             i, j = CROSS[c]
@@ -265,7 +265,7 @@ def smooth_block(history, first, last, block, adjoint, information, most, chords
         carry_transition(carried, block.transposed[slot], work[0])
         adjoint_transition(adjoint, information, block.transposed[slot], work)
         for i in range(size):
-            most[i] = max(most[i], information[i, i])
+            largest[i] = max(largest[i], information[i, i])
 
 
 def run_filter(step: Callable, state, history: History) -> None:
@@ -307,12 +307,12 @@ def run_smoother(
         starts.append(state.copy())
         step(first, last, state, SmootherBlock.empty(0, size))
     adjoint, information, carried = np.zeros(size), np.zeros((size, size)), np.zeros((LENGTH + 1, size))
-    most_known = np.zeros(size)
+    largest = np.zeros(size)
     chords = Chords.between(ends, history.navigation[ends, :3], shortest)
     for (first, last), start in zip(reversed(blocks), reversed(starts), strict=True):
         block = SmootherBlock.empty(last - first, size, most)
         step(first, last, start, block)
-        smooth_block(history, first, last, block, adjoint, information, most_known, chords, carried)
+        smooth_block(history, first, last, block, adjoint, information, largest, chords, carried)
     return chords
 
 

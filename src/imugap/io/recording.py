@@ -35,11 +35,11 @@ from imugap.io.recognition.settings import DEFAULTS, RecordingSettings
 from imugap.io.rows import (
     advances,
     by_stamps,
+    clear_vanishing,
     of_sensor,
     require_numbers,
     require_order,
     require_range,
-    vanish,
     within_range,
     without_filler,
 )
@@ -250,7 +250,7 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
         block, raw = block[:, kept], raw[kept]
         rest = f"{np.count_nonzero(~kept)} rows without stamp and sample: left out"
         source = replace(source, place=_place_of(source, np.flatnonzero(kept)), notes=(*source.notes, rest))
-    vanish(block)
+    clear_vanishing(block)
     filled = _filled(_without_filler(block, selection), source)
     sorted_rows = None if raw is None else by_stamps(raw)
     if sorted_rows is not None:
@@ -362,7 +362,7 @@ def _stretches(source: Source, selection: Selection) -> list[tuple[np.ndarray, n
     stamps = [None if selection.stamp is None else one.pop() for one in kept]
     blocks = [within_range(np.array(one, float)) for one in kept]
     for block in blocks:
-        vanish(block)
+        clear_vanishing(block)
         _without_filler(block, selection)
     return list(zip(blocks, stamps, strict=True))
 
@@ -372,7 +372,7 @@ def _parts(source: Source, selection: Selection, found: Conversion) -> Iterator[
     for batch in source.all_batches(selection.places, selection.stamp):
         raw = None if selection.stamp is None else batch.pop()
         block = np.array(batch, float)
-        vanish(block)
+        clear_vanishing(block)
         _without_filler(block, selection)
         values = dict(zip(columns, block, strict=True))
         stamped = {} if raw is None else {TIME: raw}

@@ -115,7 +115,7 @@ def require_range(columns: Mapping[str, np.ndarray], path: Path, place: Callable
             raise LogError(path, f"{place(int(beyond[0]))}, column {name}", expected, found)
 
 
-def vanish(block: np.ndarray) -> None:
+def clear_vanishing(block: np.ndarray) -> None:
     """Write 0 for each sample of a block, shape (columns, n), that is too small for a float to hold its powers."""
     for column in block:
         column[np.abs(column) < SMALLEST_SAMPLE] = 0.0
