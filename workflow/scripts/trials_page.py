@@ -3,11 +3,20 @@
 import numpy as np
 import pandas as pd
 
-from imu_benchmark.forecasts import OTHER, ambiguity_sets, brier_score, calibration_error, log_score, reliability
+from imu_benchmark.forecasts import (
+    OTHER,
+    ambiguity_sets,
+    brier_score,
+    calibration_error,
+    calibration_errors,
+    log_score,
+    reliability,
+)
 from imu_benchmark.scores import NONE, UNKNOWN, rate
 from imugap.effects import CATALOGUE, title_of
 from imugap.figures import sealed_trials as drawn
 from imugap.log import AXES
+from imugap.stream import stream
 from imugap.study import verdicts
 from imugap.study.discovery.detection_loss import bonferroni_half_size, half_size
 from imugap.workflow import tables
@@ -15,7 +24,7 @@ from imugap.workflow.job_log import job
 from imugap.workflow.products import record_of, save
 
 CHOICES = len(CATALOGUE) * len(AXES)
-RESAMPLES = 400
+RESAMPLES = 2000
 """Resamples of the cases for the interval of the calibration error."""
 CALIBRATION_AIM = 0.03
 """What the calibration error is to be at most."""
@@ -45,18 +54,6 @@ def loss_page(losses):
     })  # fmt: skip
 
 
-def calibration_interval(table):
-    """Return the 95 % bootstrap interval of the calibration error over the cases."""
-    rng, groups = np.random.default_rng(1), dict(list(table.groupby("case")))
-    cases = list(groups)
-    errors = []
-    for _ in range(RESAMPLES):
-        drawn_cases = rng.choice(len(cases), len(cases))
-        again = [groups[cases[number]].assign(case=place) for place, number in enumerate(drawn_cases)]
-        errors.append(calibration_error(pd.concat(again, ignore_index=True)))
-    return np.quantile(errors, [0.025, 0.975])
-
-
 def reliability_page(bins):
     """Lay the bins out, a row each."""
     return pd.DataFrame({
@@ -79,7 +76,7 @@ def numbers(table, losses, tried):
     largest = found.loc[found["loss"].idxmax()]
     seen = ambiguity_sets(placed(table))
     held, held_seen = rate(sets["holds"]), rate(seen["holds"])
-    low, high = calibration_interval(table)
+    low, high = np.quantile(calibration_errors(table, RESAMPLES, stream(1, "calibration")), [0.025, 0.975])
     return {
         "cases": int(table["case"].nunique()),
         "answers": len(sets),

@@ -59,19 +59,38 @@ def log_score(table: pd.DataFrame) -> float:
 
 def reliability(table: pd.DataFrame) -> pd.DataFrame:
     """Return, by bin of the probability of the likeliest name, its mean and how often that name is right."""
-    top = table.loc[table.groupby(["case", "question"])["probability"].idxmax()]
-    bins = np.minimum((top["probability"] * BINS).astype(int), BINS - 1)
     rows = [
-        {"bin": number, "confidence": group["probability"].mean()} | rate(group["name"] == group["truth"])
-        for number, group in top.groupby(bins)
+        {"bin": number, "confidence": group["probability"].mean()} | rate(group["right"])
+        for number, group in _likeliest(table).groupby("bin")
     ]
     return pd.DataFrame(rows, columns=["bin", "confidence", "count", "rate", "low", "high"])
 
 
 def calibration_error(table: pd.DataFrame) -> float:
     """Return the expected calibration error: the mean distance of confidence and rate over the questions, by bin."""
-    bins = reliability(table)
-    return float(np.average((bins["confidence"] - bins["rate"]).abs(), weights=bins["count"]))
+    excess, questions = _excess(table)
+    return float(np.abs(excess.sum(axis=0)).sum() / questions.sum())
+
+
+def calibration_errors(table: pd.DataFrame, resamples: int, rng: np.random.Generator) -> np.ndarray:
+    """Return the calibration error of bootstrap resamples of the cases, shape (resamples,)."""
+    excess, questions = _excess(table)
+    counts = rng.multinomial(len(excess), np.full(len(excess), 1 / len(excess)), size=resamples)
+    return np.abs(counts @ excess).sum(axis=1) / (counts @ questions)
+
+
+def _excess(table: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
+    """Return the sums of confidence less right by case and bin, shape (cases, bins), and the questions of each case."""
+    top = _likeliest(table)
+    excess = (top["probability"] - top["right"]).groupby([top["case"], top["bin"]]).sum().unstack(fill_value=0.0)
+    return excess.to_numpy(), top.groupby("case").size().to_numpy()
+
+
+def _likeliest(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the likeliest name of each question, the ``bin`` of its probability, and whether it is right."""
+    top = table.loc[table.groupby(["case", "question"])["probability"].idxmax()]
+    bins = np.minimum((top["probability"] * BINS).astype(int), BINS - 1)
+    return top.assign(bin=bins, right=top["name"] == top["truth"])
 
 
 def ambiguity_sets(table: pd.DataFrame) -> pd.DataFrame:
