@@ -7,7 +7,7 @@ import pandas as pd
 
 from imugap.analysis.walk import DEFAULT_MODEL
 from imugap.kinematics.strapdown import POSITION
-from imugap.model import ErrorModel
+from imugap.model import ErrorModel, conditions
 from imugap.navigation.walk.pedestrian import WalkAssumptions, navigate
 from imugap.simulation.matched_walk import STANCE_MOTION, DeviceClass, without
 from imugap.simulation.walk import Gait, Walk, WalkCourse, WalkLeg
@@ -38,9 +38,11 @@ def errors(walk, name, kind, draw, seed):
 
     def ender(of):
         ideal, true = of.ideal(draw, seed), of.truth(draw, seed)[list(POSITION)].iloc[-1].to_numpy(float)
+        at = conditions(ideal)
 
         def end(model):
-            found = navigate(model.simulate(ideal, seed, "twin", name, draw), DEFAULT_MODEL, assumptions).trajectory
+            log = model.simulate(ideal, seed, "twin", name, draw, at=at)
+            found = navigate(log, DEFAULT_MODEL, assumptions).trajectory
             return found[list(POSITION)].iloc[-1].to_numpy() - true
 
         return end

@@ -12,7 +12,7 @@ from imugap.io.catalogue import datasets as catalogue
 from imugap.io.catalogue import readers
 from imugap.io.catalogue.datasets import RawFiles
 from imugap.kinematics.strapdown import POSITION
-from imugap.model import ErrorModel
+from imugap.model import ErrorModel, conditions
 from imugap.navigation.walk.pedestrian import WalkAssumptions
 from imugap.navigation.walk.score_test import BlockScores, block_scores, score_test
 from imugap.navigation.walk.stance_innovations import candidate_errors, foot_sinkage
@@ -101,11 +101,12 @@ def predictions(walk, known, kind, slip, params):
     """Yield each source of a prediction, and its draws of the end [m], shape (draws, 3)."""
     labels = walk.dataset, walk.run
     steps = [walk.replay.slip(slip, stream(params.seed, "slip", *labels, draw)) for draw in range(params.draws)]
+    at = conditions(walk.replay.log)
 
     def draws(of, name):
         devices = (of.draw(params.seed, "device", *labels, draw) for draw in range(params.draws))
         ends = [
-            walk.replay.end(device, step, params.seed, "replay", *labels, draw)
+            walk.replay.end(device, step, params.seed, "replay", *labels, draw, at=at)
             for draw, (device, step) in enumerate(zip(devices, steps, strict=True))
         ]
         return name, np.array(ends)

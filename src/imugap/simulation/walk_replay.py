@@ -5,11 +5,13 @@ are drawn, and the displacement of the end is the error of that walk. To first o
 not matter, since they are in both.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
+from imugap.effects.conditions import Conditions
 from imugap.filters.zero_velocity import STANCE
 from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
@@ -44,7 +46,10 @@ class Replay:
         """Navigate the original log."""
         return cls(log, navigate(log, model, assumptions), model, assumptions, seen)
 
-    def end(self, device: ErrorModel, velocity: np.ndarray, seed: int, *labels: object) -> np.ndarray:
+    def end(
+        self, device: ErrorModel, velocity: np.ndarray, seed: int, *labels: object,
+        at: Mapping[str, Conditions] | None = None,
+    ) -> np.ndarray:  # fmt: skip
         """Return the error of the end [m], shape (3,), with the errors of a device.
 
         Parameters
@@ -53,8 +58,10 @@ class Replay:
             Errors to add.
         velocity
             Velocity of the foot at stance, in ``n`` [m/s], shape (n, 3), which the filter assumes zero.
+        at
+            Conditions of the log (:func:`imugap.model.conditions`), which several replays may share.
         """
-        log = device.simulate(self.log, seed, *labels)
+        log = device.simulate(self.log, seed, *labels, at=at)
         found = navigate(log, self.model, self.assumptions, velocity=-velocity)
         if self.seen:
             return compare_with_cameras(found, self.solution.trajectory[list(POSITION)]).off

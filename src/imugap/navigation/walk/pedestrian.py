@@ -483,6 +483,14 @@ class AlignedWalk:
         inputs = self.inputs._replace(samples=_samples(log), stance_velocity=_velocity(log, velocity))
         return replace(self, inputs=inputs)
 
+    def with_blind_accel(self, share: float) -> "AlignedWalk":
+        """Return the walk with accelerometers that are blind to a share of the changes between samples."""
+        weights, dt = self.inputs.weights, self.inputs.dt[:, None]
+        noise = weights.noise_psd.copy()
+        noise[:, 3:] += _change_variance(self.inputs.samples[:, 3:], share) * dt
+        inputs = self.inputs._replace(weights=weights._replace(noise_psd=noise))
+        return replace(self, assumptions=replace(self.assumptions, blind_accel=share), inputs=inputs)
+
     @property
     def names(self) -> list[str]:
         """Names of the states behind the navigation."""
@@ -540,9 +548,6 @@ def align(
     if axes(log) != AXES:
         raise LogError("walk", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     assumptions = assumptions or WalkAssumptions()
-    if assumptions.blind_accel is None:
-        shares = (replace(assumptions, blind_accel=share) for share in SHOCK_SHARES)
-        return max((align(log, model, one, velocity, aiding) for one in shares), key=_likelihood)
     samples, step = _samples(log), interval(log)
     stand = _stand(samples, step, assumptions)
     steps = np.diff(log.index.to_numpy())
@@ -553,7 +558,10 @@ def align(
         samples, dt, _weights(samples, dt, step, stand, states.white, assumptions), _velocity(log, velocity), fixes,
         noise, SensorArrays.of(states), _constants(assumptions),
     )  # fmt: skip
-    return AlignedWalk(log.index, assumptions, states, stand, inputs, aiding)
+    aligned = AlignedWalk(log.index, assumptions, states, stand, inputs, aiding)
+    shares = SHOCK_SHARES if assumptions.blind_accel is None else (assumptions.blind_accel,)
+    walks = [aligned.with_blind_accel(share) for share in shares]
+    return walks[0] if len(walks) == 1 else max(walks, key=_likelihood)
 
 
 def innovations(aligned: AlignedWalk) -> tuple[np.ndarray, np.ndarray]:
@@ -638,23 +646,24 @@ def _weights(
     motion = detector.motion(gyro, accel, step, stand) ** MOTION_EXPONENT
     stds = assumptions.velocity_std, assumptions.motion_std
     own, moving = (_psd(std, assumptions.correlation_s) for std in stds)
-    noise = white + _interval_variance(samples, assumptions) * dt[:, None]
-    return WalkWeights(detector.phases(gyro, accel, step, stand), own + moving * motion, noise)
+    variance = _clipping_variance(samples, assumptions)
+    variance[:, :3] += _change_variance(gyro, assumptions.blind_gyro)
+    return WalkWeights(detector.phases(gyro, accel, step, stand), own + moving * motion, white + variance * dt[:, None])
 
 
-def _interval_variance(samples: np.ndarray, assumptions: WalkAssumptions) -> np.ndarray:
-    """Return the variance of the interval means by changes between samples and by clipping, shape (n, 6)."""
-    blind = np.repeat([assumptions.blind_gyro, assumptions.blind_accel], 3)
-    variance = (blind * np.diff(samples, axis=0, prepend=samples[:1])) ** 2
+def _change_variance(samples: np.ndarray, blind: float) -> np.ndarray:
+    """Return the variance of the interval means by changes between samples, shape (n, 3); of a share ``blind``."""
+    return (blind * np.diff(samples, axis=0, prepend=samples[:1])) ** 2
+
+
+def _clipping_variance(samples: np.ndarray, assumptions: WalkAssumptions) -> np.ndarray:
+    """Return the variance of the interval means by clipping, shape (n, 6)."""
     rate_full_scale = assumptions.rate_full_scale
     rate_full_scale = full_scale(samples[:, :3]) if rate_full_scale is None else rate_full_scale
-    rate, largest = np.abs(samples[:, :3]), np.abs(samples[:, 3:]).max(axis=1, keepdims=True)
-    for part, size, full in (
-        (slice(3), rate, rate_full_scale),
-        (slice(3, 6), largest, assumptions.full_scale),
-    ):
-        variance[:, part] += np.where(size > CLIPPING_SHARE * full, CLIPPED_SHARE * size, 0.0) ** 2
-    return variance
+    rate, force = np.abs(samples[:, :3]), np.abs(samples[:, 3:]).max(axis=1, keepdims=True)
+    parts = ((rate, rate_full_scale), (np.repeat(force, 3, axis=1), assumptions.full_scale))
+    clipped = [np.where(size > CLIPPING_SHARE * full, CLIPPED_SHARE * size, 0.0) ** 2 for size, full in parts]
+    return np.hstack(clipped)
 
 
 def _psd(std: float, correlation_s: float) -> float:
