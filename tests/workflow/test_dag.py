@@ -72,7 +72,15 @@ def test_chapters_can_be_left_out_of_the_paper():
     static, drive, everything = jobs("chapters=[]"), jobs("chapters=[drive]"), jobs("seed=1")
     assert {"indices_bench", "fit_models", "drift_scores", "claims", "paper", "notebook"} < static < drive < everything
     assert {name.split("_")[0] for name in drive - static} == {"drive"}
-    assert not static & {"monte_carlo", "walk_budget", "dossier", "flight_runs", "planar_runs", "tutorial_allan"}
+    assert not static & {
+        "monte_carlo",
+        "walk_budget",
+        "dossier",
+        "flight_runs",
+        "planar_runs",
+        "tutorial_allan",
+        "speed",
+    }
 
 
 def test_a_chapter_that_is_none_is_refused():

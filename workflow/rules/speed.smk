@@ -24,4 +24,4 @@ rule speed:
         "../scripts/speed.py"
 
 
-PAPER["study"] += rules.speed.output
+PAPER["speed"] += rules.speed.output
