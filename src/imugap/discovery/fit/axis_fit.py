@@ -21,6 +21,7 @@ from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.preparation.cosine_bins import cosine_coefficients
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects.effect import Effect, FilterEffect, Role, StochasticEffect, VarianceEffect
+from imugap.numerics.fitting import normal_equations
 from imugap.numerics.samples.contaminated_normal import Tails, parted_tails
 from imugap.stream import stream
 
@@ -30,6 +31,8 @@ MAX_ALTERNATIONS = 8
 MIN_GAIN = 0.02
 """Change of log-likelihood at which the alternation has converged."""
 MAX_SHORTENINGS = 6
+OPEN = 1e-10
+"""Singular value of the precision of the terms, over the largest one, below which a direction of them is open."""
 CUTOFF_STEP, MAX_CUTOFF_STEP = 1e-4, 0.3
 """Of the logarithm of a cutoff: half the step of its difference quotient, and the longest step of a fit."""
 SHAPING_ROLES = (Role.MEAN, Role.FILTER, Role.VARIANCE)
@@ -515,11 +518,8 @@ def _mean_moved(scatter: Scatter, description: Description) -> Description:
     rest = scatter.left(description) / scatter.root
     for _ in range(MAX_SHORTENINGS):
         columns = scatter.whiten(jacobian(description.terms, scatter.sequence), description)
-        precision = columns.T @ columns
-        norms = np.sqrt(np.diag(precision))
-        norms[norms == 0] = 1.0
-        step = np.linalg.lstsq(precision / np.outer(norms, norms), columns.T @ rest / norms, rcond=1e-10)[0]
-        moved, after = _line_search(scatter, description, step / norms, rest)
+        step = normal_equations.solution(columns.T @ columns, columns.T @ rest, OPEN)
+        moved, after = _line_search(scatter, description, step, rest)
         gained = 0.5 * (rest @ rest - after @ after)
         if gained <= 0:
             break

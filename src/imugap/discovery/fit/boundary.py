@@ -15,7 +15,9 @@ import numpy as np
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.cosine_bins import cosine_coefficients
 from imugap.effects.effect import TINY, FilterEffect
+from imugap.numerics.fitting import normal_equations
 
+EPSILON = float(np.finfo(float).eps)
 CUTOFF_LOG_STD = 0.03
 """Standard deviation of the logarithm of a cutoff, as far as what a filter lets go of may say."""
 
@@ -113,6 +115,4 @@ def _decay(output_filter: FilterEffect, count: int, interval: float) -> tuple[np
 
 def _solved(precision: np.ndarray, right: np.ndarray, known: Sequence[float]) -> np.ndarray:
     """Return sizes of least squares, each zero to 1/sqrt(``known``) a priori."""
-    both = precision + np.diag(known)
-    units = np.sqrt(np.maximum(np.diag(both), TINY))
-    return np.linalg.lstsq(both / np.outer(units, units), right / units)[0] / units
+    return normal_equations.solution(precision + np.diag(known), right, EPSILON * len(right))
