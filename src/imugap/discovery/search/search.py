@@ -14,8 +14,7 @@ from functools import cached_property
 from itertools import combinations
 
 import numpy as np
-from scipy.special import gammaln
-from scipy.stats import chi2
+from scipy.special import chdtrc, gammaln
 
 from imugap.discovery.fit.axis_fit import AxisFit, fit
 from imugap.discovery.fit.description import Description, Entry
@@ -706,5 +705,5 @@ def log_p_of_gain(gain: float, parameters: int) -> float:
     if not 0 < gain < np.inf:
         return 0.0 if gain <= 0 else -np.inf
     if gain < MAX_EXACT_GAIN:
-        return float(chi2.logsf(2 * gain, parameters))
+        return float(np.log(chdtrc(parameters, 2 * gain)))
     return float(-gain + (parameters / 2 - 1) * np.log(gain) - gammaln(parameters / 2))
