@@ -65,20 +65,20 @@ if __name__ == "__main__":
             for paths in (source.indices, source.allan)
         )
         settings = Settings(**params.settings, seed=params.seed, workers=snakemake.threads)
-        prepared = [prepare(one, seed=params.seed).sequences for one in logs]
-        choices = {first: chosen(prepared[first]) for first in (0, 1)}
-        folds = zip(
-            leave_one_out(logs, settings, [None] * len(logs)), leave_one_out(logs, settings, starts), strict=True
-        )
+        prepared = [prepare(one, seed=params.seed) for one in logs]
+        sequences = [one.sequences for one in prepared]
+        choices = {first: chosen(sequences[first]) for first in (0, 1)}
+        given = ([None] * len(logs), starts)
+        folds = zip(*(leave_one_out(logs, prepared, settings, one) for one in given), strict=True)
         rows = []
         for out, pair in enumerate(folds):
             others = [number for number in range(len(runs)) if number != out]
             models = of_indices([runs[number] for number in others], indices, curves, params.period_s)
-            models |= {"power_law": power_law([prepared[number] for number in others])} | choices[others[0]]
+            models |= {"power_law": power_law([sequences[number] for number in others])} | choices[others[0]]
             ensembles = {name: of_one_run(model) for name, model in models.items()}
             ensembles |= {f"discovered_{start}": one.after for start, one in zip(params.names, pair, strict=True)}
             for name, ensemble in ensembles.items():
-                by_axis = log_scores(getattr(ensemble, "model", ensemble), prepared[out])
+                by_axis = log_scores(getattr(ensemble, "model", ensemble), sequences[out])
                 of_run = scores(pair[0], ensemble, params.seed, settings.simulations)
                 rows += [(runs[out], name, "log_score", axis, value) for axis, value in by_axis.items()]
                 rows += [(runs[out], name, quantity, "", value) for quantity, value in of_run.items()]

@@ -34,7 +34,7 @@ from imugap.discovery.runs.between_runs import clock_findings, fit_like_first, t
 from imugap.discovery.runs.over_runs import OverRuns, better_over_runs, not_needed, not_recurring, search_over_runs
 from imugap.discovery.search.intervals import axis_unit, intervals
 from imugap.discovery.search.shared_effects import Joint
-from imugap.discovery.steps import Progress, StepCounter, each_in_processes, no_progress
+from imugap.discovery.steps import Memory, Progress, StepCounter, each_in_processes, no_progress
 from imugap.discovery.views import COHERENCE, Curve
 from imugap.discovery.views.discrepancies import REPLICATES, ViewTest, significant_discrepancies, view_tests
 from imugap.effects import CATALOGUE
@@ -204,9 +204,21 @@ class _Prepared:
 
 @dataclass(frozen=True, eq=False)
 class _Searched(_Prepared):
-    """With the search of each axis."""
+    """With the search of each axis, and what was made of it before, with other effects withdrawn.
+
+    Attributes
+    ----------
+    searches
+        Search of each axis.
+    named
+        Results of axes (:func:`name_pooled`).
+    memory
+        Fits of the further runs, and noise of all runs.
+    """
 
     searches: Mapping[str, AxisSearch]
+    named: dict[tuple, AxisResult]
+    memory: Memory
 
     @property
     def before(self) -> dict[str, AxisFit]:
@@ -342,14 +354,16 @@ def name_missing(logs: Sequence[pd.DataFrame], settings: Settings) -> Names:
 
 
 def leave_one_out(
-    logs: Sequence[pd.DataFrame], settings: Settings, starts: Sequence[ErrorModel | None]
+    logs: Sequence[pd.DataFrame],
+    prepared: Sequence[PreparedLog],
+    settings: Settings,
+    starts: Sequence[ErrorModel | None],
 ) -> Iterator[HeldOutComparison]:
     """Yield, for each run of a device, its comparison with the models that discovery on the other runs has.
 
     Effects within a run are discovered on the first of the others, once for all folds that begin with it, from its
-    model in ``starts``, which has one for each run.
+    model in ``starts``, which has one for each run. ``prepared`` are the same logs, prepared without a start model.
     """
-    prepared = [prepare(log, None, settings.seed, None, settings.catalogue) for log in logs]
     searched = {}
     for out, test in enumerate(prepared):
         first, *others = (number for number in range(len(logs)) if number != out)
@@ -478,12 +492,14 @@ def _search_axes(stage: _Prepared) -> _Searched:
         for axis, sequence in stage.record.sequences.items()
     ]
     searches = search_each(arguments, stage.record.sequences, settings.workers, stage.steps)
-    return _Searched(**vars(stage), searches=agree_on_noise(searches))
+    return _Searched(**vars(stage), searches=agree_on_noise(searches), named={}, memory=Memory())
 
 
 def _name_effects(stage: _Searched, withdrawn: Withdrawn) -> _Named:
     """Pool effects that axes share by one value, check every name, and give intervals."""
-    results, joints = name_pooled(stage.searches, stage.settings.workers, stage.log_alpha, stage.steps, withdrawn)
+    results, joints = name_pooled(
+        stage.searches, stage.settings.workers, stage.log_alpha, stage.steps, withdrawn, stage.named
+    )
     return _Named(**vars(stage), results=results, joints=joints)
 
 
@@ -495,13 +511,16 @@ def _compare_runs(stage: _Named) -> _Compared:
     others = _further_runs(stage)
     between = _between_runs(stage, others)
     by_axis = {axis: tuple(run[axis] for run in others if axis in run) for axis in stage.whole}
-    search = partial(search_over_runs, catalogue=stage.settings.catalogue, log_alpha=stage.log_alpha)
+    levels = stage.settings.catalogue, stage.log_alpha
     return _Compared(
         **vars(stage),
         common=_news(common, stage.known),
         between=_news(between, stage.known),
         further=by_axis,
-        over_runs={axis: search((one, *by_axis[axis])) for axis, one in stage.whole.items()},
+        over_runs={
+            axis: stage.memory.once(search_over_runs, (one, *by_axis[axis]), *levels)
+            for axis, one in stage.whole.items()
+        },
     )
 
 
@@ -667,12 +686,20 @@ def _with_found_outputs(stage: _Compared, axis: str) -> tuple[Effect, ...]:
 
 def _further_runs(stage: _Named) -> list[dict[str, AxisFit]]:
     """Return the fits of the runs after the first, with the terms and the processes found in the first."""
-    first, runs = stage.whole, []
-    for sequences in (one.sequences for one in stage.others):
-        whole = {axis: part(sequences[axis], 0, len(sequences[axis].values)) for axis in first if axis in sequences}
-        starts = {axis: described(axis_effects(stage.known, axis), one) for axis, one in whole.items()}
-        runs.append({axis: fit_like_first(one, starts[axis].terms, first[axis]) for axis, one in whole.items()})
-    return runs
+    return [
+        {
+            axis: stage.memory.once(_like_first, one.sequences[axis], axis_effects(stage.known, axis), first)
+            for axis, first in stage.whole.items()
+            if axis in one.sequences
+        }
+        for one in stage.others
+    ]
+
+
+def _like_first(sequence: AxisSequence, known: tuple[Effect, ...], first: AxisFit) -> AxisFit:
+    """Return the fit of an axis of another run, with the terms of a start model and what the first run has besides."""
+    whole = part(sequence, 0, len(sequence.values))
+    return fit_like_first(whole, described(known, whole).terms, first)
 
 
 def _between_runs(stage: _Named, others: Sequence[Mapping[str, AxisFit]]) -> tuple[Finding, ...]:

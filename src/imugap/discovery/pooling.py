@@ -38,23 +38,29 @@ def name_pooled(
     log_alpha: float,
     steps: StepCounter,
     withdrawn: Mapping[str, Mapping[type[Effect], str]],
+    known: dict[tuple, AxisResult],
     apart: tuple[type[Effect], ...] = (),
 ) -> tuple[dict[str, AxisResult], tuple[Joint, ...]]:
     """Pool effects shared by several axes, and name those of each axis.
 
     Kinds ``apart`` are not pooled, kinds ``withdrawn`` on an axis are not named, each for its reason. Not pooled is
-    what is certain only together with axes on which another function of the motion explains more.
+    what is certain only together with axes on which another function of the motion explains more. Results are put to
+    those ``known`` of the same searches, and taken from there.
     """
     pooled, joints = _pool(searches, apart)
-    arguments = [(one, withdrawn.get(axis, {})) for axis, one in pooled.items()]
-    results = of_each_axis(conclude, arguments, pooled, workers, steps, "names")
+    keys = {axis: (axis, apart, frozenset(withdrawn.get(axis, {}).items())) for axis in pooled}
+    new = {axis: (pooled[axis], withdrawn.get(axis, {})) for axis, key in keys.items() if key not in known}
+    steps.count -= len(pooled) - len(new)
+    found = of_each_axis(conclude, list(new.values()), new, workers, steps, "names")
+    known.update({keys[axis]: result for axis, result in found.items()})
+    results = {axis: known[key] for axis, key in keys.items()}
     moved = {axis for axis, result in results.items() if any(one.reason == OTHER_FUNCTION for one in result.withheld)}
     touched = [joint for joint in joints if moved & set(joint.axes)]
     uncertain = [type(joint.effect) for joint in touched if not joint.certain(set(joint.axes) - moved, log_alpha)]
     if not uncertain:
         return results, joints
     steps.count += len(searches)
-    return name_pooled(searches, workers, log_alpha, steps, withdrawn, (*apart, *uncertain))
+    return name_pooled(searches, workers, log_alpha, steps, withdrawn, known, (*apart, *uncertain))
 
 
 def pooled_finding(joint: Joint) -> Finding:

@@ -4,13 +4,15 @@ import ctypes
 import multiprocessing
 import os
 import signal
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from threading import Thread
 from time import sleep
+from typing import TypeVar
 
+Made = TypeVar("Made")
 Progress = Callable[[str, int, int], None]
 """Called with the name of a step as it begins, how many steps are done, and how many there are."""
 
@@ -39,6 +41,19 @@ class StepCounter:
         """Report that a step begins."""
         self.progress(name, self.done, self.count)
         self.done += 1
+
+
+@dataclass(frozen=True, eq=False)
+class Memory:
+    """Results by what they were made of, for steps that are repeated with some axes as they were."""
+
+    made: dict[Hashable, object] = field(default_factory=dict)
+
+    def once(self, make: Callable[..., Made], *of: Hashable) -> Made:
+        """Return ``make(*of)``, made at the first call."""
+        if (make, *of) not in self.made:
+            self.made[make, *of] = make(*of)
+        return self.made[make, *of]
 
 
 @contextmanager
@@ -97,6 +112,8 @@ def of_each_axis(
 ) -> dict:
     """Return the result of a task for the arguments of each axis, several axes at a time."""
     found = {}
+    if not arguments:
+        return found
     with each_in_processes(workers) as each:
         results = iter(each(task, *zip(*arguments, strict=True)))
         for axis in axes:

@@ -129,11 +129,10 @@ def _slow(whitened: np.ndarray) -> tuple[float, float]:
     count = len(whitened)
     length = next_fast_len(count)
     curve = np.pi * ((np.arange(count) - (count - 1) / 2) / count) ** 2
-    best = (0.0, 0.0, 0.0)
+    best, turned, step = (0.0, 0.0, 0.0), whitened.astype(complex), np.exp(-1j * SLOW_STEP * curve)
     for drift in np.arange(0.0, SLOWEST + SLOW_STEP, SLOW_STEP):
-        turned = np.zeros(length, np.complex64)
-        turned.real[:count], turned.imag[:count] = whitened * np.cos(drift * curve), whitened * np.sin(-drift * curve)
-        lines = fft(turned, overwrite_x=True)
+        lines = fft(turned.astype(np.complex64), length)
+        turned *= step
         power = (lines.real**2 + lines.imag**2) / np.float32(count)
         up, down = power[2 : length // 2], power[: length - length // 2 : -1]
         for side, power in ((1, up), (-1, down[1 : len(up) + 1])):

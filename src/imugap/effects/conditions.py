@@ -2,10 +2,13 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
 import pandas as pd
+
+from imugap.log import axes
 
 Made = TypeVar("Made")
 
@@ -46,9 +49,12 @@ class Conditions:
     @property
     def error_free(self) -> np.ndarray | float:
         """Return the error-free signal of the axis, shape (n,); 0 where it is not known, as for a device at rest."""
-        if self.ideal is None or self.axis not in self.ideal:
-            return 0.0
-        return self.ideal[self.axis].to_numpy(float)
+        return 0.0 if self.axis is None else self.signals.get(self.axis, 0.0)
+
+    @cached_property
+    def signals(self) -> dict[str, np.ndarray]:
+        """Error-free signal of each axis, shape (n,); none where they are not known."""
+        return {} if self.ideal is None else {axis: self.ideal[axis].to_numpy(float) for axis in axes(self.ideal)}
 
     @property
     def known_motion(self) -> pd.DataFrame | None:
@@ -65,7 +71,7 @@ class Conditions:
 
     def knows(self, axes: Sequence[str]) -> bool:
         """Return whether the own axis and the error-free signals of ``axes`` are known."""
-        return self.axis is not None and self.ideal is not None and set(axes) <= set(self.ideal)
+        return self.axis is not None and self.ideal is not None and self.signals.keys() >= set(axes)
 
 
 @dataclass(frozen=True, eq=False)

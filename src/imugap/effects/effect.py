@@ -1,12 +1,13 @@
 """What every effect is: a frozen value with described parameters that acts on a sequence at its stage of the chain."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import Field, dataclass, field, fields, replace
 from enum import IntEnum
 from functools import cache, partial
 from math import isfinite
 from numbers import Real
+from types import MappingProxyType
 from typing import ClassVar, Self
 
 import numpy as np
@@ -144,6 +145,12 @@ def declared(kind: type["Effect"]) -> tuple[Field, ...]:
     return fields(kind)
 
 
+@cache
+def _physical(kind: type["Effect"]) -> tuple[tuple[str, float, float, bool], ...]:
+    """Return name, limits and wholeness of each parameter of a kind."""
+    return tuple((one.name, *map(one.metadata.get, ("low", "high", "whole"))) for one in declared(kind))
+
+
 @dataclass(frozen=True)
 class Start:
     """Where the fit of an effect that may be missing starts.
@@ -228,16 +235,15 @@ class Effect:
 
     def __post_init__(self) -> None:
         """Check every parameter against its physical limits."""
-        for item in declared(type(self)):
-            value, low, high = getattr(self, item.name), item.metadata["low"], item.metadata["high"]
-            whole = item.metadata["whole"]
-            number = isinstance(value, Real) and not isinstance(value, bool)
+        for name, low, high, whole in _physical(type(self)):
+            value = getattr(self, name)
+            number = type(value) is float or (isinstance(value, Real) and not isinstance(value, bool))
             inside = number and isfinite(value) and low <= value <= high
             if not inside or (whole and value != int(value)):
                 span = "> 0" if low == TINY else f"in [{low:g}, {high:g}]"
                 kind = "whole" if whole else "finite"
                 found = f"{value!r:.{EXCERPT}}"
-                raise ValueError(f"{self.name}.{item.name}: expected a {kind} number {span}; found {found}")
+                raise ValueError(f"{self.name}.{name}: expected a {kind} number {span}; found {found}")
 
     @property
     def centre(self) -> float | None:
@@ -269,7 +275,8 @@ class Effect:
     @classmethod
     def error_free(cls, conditions: Conditions, axes: Sequence[str]) -> np.ndarray:
         """Return the error-free signals of ``axes``, shape (n, len(axes)); ValueError where one is not known."""
-        return cls._columns(conditions.ideal, axes)
+        cls._require(conditions.ideal, axes)
+        return np.array([conditions.signals[axis] for axis in axes]).reshape(len(axes), len(conditions)).T
 
     @classmethod
     def interpolated(cls, conditions: Conditions, axes: Sequence[str]) -> CubicHermiteSpline:
@@ -278,17 +285,17 @@ class Effect:
         It covers the times of :attr:`Conditions.known_motion`; ValueError where a signal is not known.
         """
         motion = conditions.known_motion
-        values = cls._columns(motion, axes)
-        return interpolate(motion.index.to_numpy(float), values)
+        cls._require(motion, axes)
+        return interpolate(motion.index.to_numpy(float), motion[list(axes)].to_numpy(float))
 
     @classmethod
-    def _columns(cls, ideal: pd.DataFrame | None, axes: Sequence[str]) -> np.ndarray:
+    def _require(cls, ideal: pd.DataFrame | None, axes: Sequence[str]) -> None:
+        """Raise a ValueError unless an error-free log has some axes."""
         if ideal is None:
             raise ValueError(f"{cls.name}: expected conditions with an error-free log; found none")
         missing = [axis for axis in axes if axis not in ideal]
         if missing:
             raise ValueError(f"{cls.name}: expected an error-free log with {', '.join(missing)}; found none")
-        return np.array([ideal[axis].to_numpy(float) for axis in axes]).reshape(len(axes), len(ideal)).T
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return what becomes of ``sequence``, shape (n,): the error up to this stage, or the output."""
@@ -339,9 +346,10 @@ class Effect:
         return {item.name: item.metadata["unit"].replace("{u}", axis_unit) for item in declared(cls)}
 
     @classmethod
-    def limits(cls) -> dict[str, tuple[float, float]]:
+    @cache
+    def limits(cls) -> Mapping[str, tuple[float, float]]:
         """Return the physical limits of each parameter."""
-        return {item.name: (item.metadata["low"], item.metadata["high"]) for item in declared(cls)}
+        return MappingProxyType({name: (low, high) for name, low, high, _ in _physical(cls)})
 
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:

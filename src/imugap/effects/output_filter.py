@@ -198,14 +198,19 @@ class OutputFilter(FilterEffect):
             )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _folded(frequency, rate, cutoff, order):
     """Return the sum of the power gains of an analogue filter at all aliases of each frequency [Hz], shape (n,)."""
-    total = np.zeros(len(frequency))
-    for k in range(len(frequency)):
-        for fold in range(-FOLDS, FOLDS + 1):
-            ratio = (frequency[k] + fold * rate) / cutoff
-            total[k] += 1 / (1 + (ratio * ratio) ** order)
+    count, total = len(frequency), np.zeros(len(frequency))
+    square, power = np.empty(count), np.empty(count)
+    for fold in range(-FOLDS, FOLDS + 1):
+        for k in range(count):
+            square[k] = power[k] = ((frequency[k] + fold * rate) / cutoff) ** 2
+        for _ in range(order - 1):
+            for k in range(count):
+                power[k] *= square[k]
+        for k in range(count):
+            total[k] += 1 / (1 + power[k])
     return total
 
 

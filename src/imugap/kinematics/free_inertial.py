@@ -82,11 +82,23 @@ class StaticNavigation:
     def drift(self, table: pd.DataFrame) -> np.ndarray:
         """Navigate the log of a device at rest from both starts; return its drift, shape (2, epochs, 9)."""
         interval = log.interval(table)
-        start, count = round(self.calibration_s / interval), round(self.length_s / interval) + 1
-        if len(table) < start + count:
-            raise log.LogError("log", "rows", f"{start + count} samples to navigate", str(len(table)))
-        self._check_steps(table.index.to_numpy()[: start + count], interval)
-        samples = table[list(log.AXES)].to_numpy()[: start + count]
+        count = sum(self._counts(interval))
+        if len(table) < count:
+            raise log.LogError("log", "rows", f"{count} samples to navigate", str(len(table)))
+        self._check_steps(table.index.to_numpy()[:count], interval)
+        return self.drift_of(table[list(log.AXES)].to_numpy(), interval)
+
+    def _counts(self, interval: float) -> tuple[int, int]:
+        """Return the number of samples of calibration and navigation."""
+        return round(self.calibration_s / interval), round(self.length_s / interval) + 1
+
+    def drift_of(self, samples: np.ndarray, interval: float) -> np.ndarray:
+        """Navigate the samples of a device at rest, shape (n, 6), an interval [s] apart, from both starts.
+
+        Return the drift, shape (2, epochs, 9).
+        """
+        start, count = self._counts(interval)
+        samples = samples[: start + count]
         error = samples[:start].mean(axis=0) - self.rest().to_numpy()
         moving = np.stack([samples[start:], samples[start:] - error])
         place = self.site

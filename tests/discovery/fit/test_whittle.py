@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from tests.discovery import simulated
 
 from imugap.discovery.fit.axis_fit import cosine_coefficients
-from imugap.discovery.fit.whittle import Noise, NoiseSpectra, fit, limits
+from imugap.discovery.fit.whittle import Noise, NoiseSpectra, damped_step, fit, limits
 from imugap.discovery.preparation.cosine_bins import Bins
 from imugap.effects import (
     BiasInstability,
@@ -96,3 +96,23 @@ def test_noise_beneath_a_spectrum_does_not_rise_above_it(count):
     over = power[asked] / data.bins.number[asked] / noise.variance(data.bins)[asked]
     assert np.mean(over >= 1 - 1e-9) >= 0.5
     assert over.min() <= 1 + 1e-9
+
+
+INFORMATION = np.array([[4.0, 1.0], [1.0, 1.0]])
+
+
+def test_a_step_within_the_box_is_that_to_the_top():
+    step = damped_step(np.array([0.5, 0.2]), INFORMATION, 0.0, np.full(2, -1.0), np.ones(2))
+    np.testing.assert_allclose(INFORMATION @ step, [0.5, 0.2], rtol=1e-8)
+
+
+def test_what_leads_out_of_the_box_stays_at_its_end_and_the_rest_follows():
+    step = damped_step(np.array([0.5, 1.5]), INFORMATION, 0.0, np.full(2, -1.0), np.ones(2))
+    np.testing.assert_allclose(step, [(0.5 - 1.0) / 4, 1.0], rtol=1e-8)
+
+
+@pytest.mark.parametrize("place", [0, 1])
+def test_a_quadratic_that_is_not_finite_has_no_step(place):
+    parts = [np.ones(2), INFORMATION.copy()]
+    parts[place].flat[0] = np.nan
+    assert np.isnan(damped_step(*parts, 0.1, np.full(2, -1.0), np.ones(2))).all()

@@ -11,6 +11,7 @@ from imugap import log
 from imugap.discovery.device import Settings, discover, leave_one_out
 from imugap.discovery.fit.axis_fit import fit, log_score
 from imugap.discovery.fit.description import Description
+from imugap.discovery.preparation.prepare import prepare
 from imugap.discovery.report import verdict
 from imugap.discovery.runs.over_runs import fit_over_runs, not_needed, not_recurring, search_over_runs
 from imugap.discovery.search.intervals import intervals
@@ -158,7 +159,7 @@ def test_the_finding_is_the_effect_of_the_model_and_its_interval_that_of_all_run
 
 def test_each_run_is_compared_with_what_the_others_say():
     runs = logs(3)
-    compared = list(leave_one_out(runs, Settings(catalogue=KINDS), [None] * 3))
+    compared = list(leave_one_out(runs, [*map(prepare, runs)], Settings(catalogue=KINDS), [None] * 3))
     for out, one in enumerate(compared):
         np.testing.assert_array_equal(one.measured["gyro_x"], runs[out]["gyro_x"].iloc[: len(one.measured)])
     walks = {one.after.model["gyro_x"].stochastic() for one in compared}

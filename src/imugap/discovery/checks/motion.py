@@ -135,7 +135,7 @@ def _size_classes(conditions: Conditions) -> Iterator[np.ndarray]:
     """Yield the class of each sample, shape (n,), by the size of an input or of its derivative."""
     for axis in log.AXES:
         if conditions.knows([axis]):
-            values = conditions.ideal[axis].to_numpy(float)
+            values = conditions.signals[axis]
             for motion in (values, np.gradient(values, conditions.interval)):
                 size = np.abs(motion - np.median(motion))
                 yield np.argsort(np.argsort(size)) * SIZE_CLASSES // len(size)
@@ -146,7 +146,7 @@ def _rest_periods(conditions: Conditions) -> Iterator[np.ndarray]:
     span = max(round(REST_TIME_S / conditions.interval), 2)
     for axis in log.AXES:
         if conditions.knows([axis]):
-            power = np.gradient(conditions.ideal[axis].to_numpy(float), conditions.interval) ** 2
+            power = np.gradient(conditions.signals[axis], conditions.interval) ** 2
             rest = maximum_filter1d(uniform_filter1d(power, span) < MAX_REST_RATE**2 * power.mean(), span)
             if 0 < np.count_nonzero(rest) < len(rest):
                 yield rest
@@ -160,7 +160,7 @@ def _motion_functions(conditions: Conditions) -> Iterator[np.ndarray]:
     drifting scale factor, and a Fourier series of the input.
     """
     turns, forces = (
-        np.array([conditions.ideal[axis].to_numpy(float) for axis in triad if conditions.knows([axis])])
+        np.array([conditions.signals[axis] for axis in triad if conditions.knows([axis])])
         for triad in (log.GYRO, log.ACCEL)
     )
     for inputs in (turns, forces):
@@ -176,7 +176,7 @@ def _motion_functions(conditions: Conditions) -> Iterator[np.ndarray]:
         yield np.column_stack([turn * force for turn in turns for force in forces])
     for axis in log.GYRO:
         if conditions.knows([axis]):
-            angle = np.cumsum(conditions.ideal[axis].to_numpy(float)) * conditions.interval
+            angle = np.cumsum(conditions.signals[axis]) * conditions.interval
             if np.ptp(angle) > MIN_TURN:
                 headings = np.exp(1j * np.outer(angle, np.arange(1, HEADING_HARMONICS + 1)))
                 yield np.column_stack([headings.real, headings.imag])

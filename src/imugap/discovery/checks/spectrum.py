@@ -119,7 +119,7 @@ def substitution_log_p(candidate: Candidate, other: StochasticEffect) -> float:
     power = bins.sums(fit.coefficients**2) * noise.variance(bins)
     moved = fit.description.with_effect(candidate.index, other).noise
     own = candidate.index - len(fit.description.terms)
-    free = np.array([index != own for index, _ in moved.parameters()])
+    free = np.array([index != own for index, _ in moved.parameters])
 
     def loss(theta: np.ndarray) -> float:
         placed = moved.theta()

@@ -196,7 +196,7 @@ class HeldOutComparison:
         """
         if self.reference is not None or not all(axis in self.measured for axis in log.AXES):
             return None
-        interval = log.interval(self.measured)
+        interval = self._interval
         length = (len(self.measured) - self.training - 1) // EPOCHS * EPOCHS
         return drift.StaticNavigation(
             ASSUMED_SITE, False, self.training * interval, length * interval, length // EPOCHS * interval
@@ -232,13 +232,18 @@ class HeldOutComparison:
         return LogStatistics(views, None if self.course is None else self._path(table))
 
     def _path(self, table: pd.DataFrame) -> np.ndarray:
-        even = log.from_samples({axis: table[axis].to_numpy(float) for axis in log.AXES}, log.interval(self.measured))
-        return self.course.drift(even)[drift.STARTS.index("calibrated"), :, :3]
+        found = self.course.drift_of(table[list(log.AXES)].to_numpy(float), self._interval)
+        return found[drift.STARTS.index("calibrated"), :, :3]
 
     def _errors(self, table: pd.DataFrame) -> dict[str, np.ndarray]:
         axes = list(log.axes(self.measured))
         own = table[axes] if self.reference is None else table[axes] - self.reference[axes].to_numpy()
         return {axis: own[axis].to_numpy(float) for axis in axes}
+
+    @cached_property
+    def _interval(self) -> float:
+        """Sampling interval [s]."""
+        return log.interval(self.measured)
 
     @cached_property
     def _scale(self) -> dict[str, float]:
@@ -261,11 +266,11 @@ class HeldOutComparison:
 
     def _at_rest(self, model: ErrorModel) -> pd.DataFrame:
         """Return the error-free log of a device at rest: the level less what the model adds to it on the average."""
-        table, interval = self._with_temperature(self.measured.copy()), log.interval(self.measured)
+        table = self._with_temperature(self.measured.copy())
         training = conditions(table.iloc[: self.training])
         for axis in log.axes(self.measured):
             added = offset_of(model[axis]) + mean_of_terms(model[axis], training[axis])
-            table[axis] = level_before_rounding(self._levels[axis], model[axis], interval) - added
+            table[axis] = level_before_rounding(self._levels[axis], model[axis], self._interval) - added
         return table
 
     @cached_property
@@ -342,13 +347,14 @@ def _views(values: np.ndarray, level: float, scale: float) -> list[np.ndarray]:
     """
     first = block_starts(len(values), BLOCKS, MIN_BLOCK_SAMPLES)
     number = np.diff(np.r_[first, len(values)])
-    means = np.add.reduceat(values - level, first) / number
-    squares = np.add.reduceat((values - level - np.repeat(means, number)) ** 2, first) / number
+    off = values - level
+    means = np.add.reduceat(off, first) / number
+    squares = np.add.reduceat((off - np.repeat(means, number)) ** 2, first) / number
     edges, widths = bands(len(values) - 1, BAND_WIDTH, 1)
     power = np.add.reduceat(dct(values - values.mean(), norm="ortho")[1:] ** 2, edges) / widths
     averaging = allan.factors(len(values), PER_DECADE)
     told = np.minimum(SHARES, 1 - SHARES) * len(values) >= MIN_EXPECTED
-    below = np.searchsorted(np.sort(values - level), scale * ndtri(SHARES[told]))
+    below = np.array([np.count_nonzero(off < bound) for bound in scale * ndtri(SHARES[told])])
     shares = np.arcsin(np.sqrt((below + 3 / 8) / (len(values) + 3 / 4)))
     tiny = np.finfo(float).tiny
     logs = [np.log(np.maximum(part, tiny)) for part in (allan.variance(values, averaging), power, squares)]

@@ -21,6 +21,7 @@ from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.preparation.cosine_bins import cosine_coefficients
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects.effect import Effect, FilterEffect, Role, StochasticEffect, VarianceEffect
+from imugap.numerics.fitting import normal_equations
 from imugap.numerics.samples.contaminated_normal import Tails, parted_tails
 from imugap.stream import stream
 
@@ -30,6 +31,8 @@ MAX_ALTERNATIONS = 8
 MIN_GAIN = 0.02
 """Change of log-likelihood at which the alternation has converged."""
 MAX_SHORTENINGS = 6
+OPEN = 1e-10
+"""Singular value of the precision of the terms, over the largest one, below which a direction of them is open."""
 CUTOFF_STEP, MAX_CUTOFF_STEP = 1e-4, 0.3
 """Of the logarithm of a cutoff: half the step of its difference quotient, and the longest step of a fit."""
 SHAPING_ROLES = (Role.MEAN, Role.FILTER, Role.VARIANCE)
@@ -297,11 +300,16 @@ class AxisFit:
         return float(0.5 * np.sum(parts**2 / values)), len(values)
 
 
-def scale(sequence: AxisSequence, changes: Sequence[VarianceEffect]) -> np.ndarray | float:
+def scale(sequence: AxisSequence, changes: tuple[VarianceEffect, ...]) -> np.ndarray | float:
     """Return the factor of the standard deviation at each sample, shape (n,), or 1."""
-    if not changes:
-        return 1.0
-    return np.sqrt(np.prod([change.factor(sequence.conditions.time) for change in changes], axis=0))
+    return _scale_of(sequence, changes) if changes else 1.0
+
+
+@lru_cache(maxsize=CACHED_TRANSFORMS)
+def _scale_of(sequence: AxisSequence, changes: tuple[VarianceEffect, ...]) -> np.ndarray:
+    factor = np.sqrt(np.prod([change.factor(sequence.conditions.time) for change in changes], axis=0))
+    factor.flags.writeable = False
+    return factor
 
 
 def _centred(sequence: AxisSequence, description: Description) -> np.ndarray:
@@ -477,17 +485,17 @@ def _cut_off(description: Description, step: float, interval: float) -> Descript
 
 def _fitted(sequence: AxisSequence, start: Description, held: bool = False) -> AxisFit:
     """Return the fit of mean and noise in turn; the cutoff of a filter stays where it is ``held``."""
-    description, last = start, -np.inf
+    description, last, scatter = start, -np.inf, Scatter.of(sequence, start)
     fixed = not start.terms and start.noise.output_filter is None
     for _ in range(MAX_ALTERNATIONS):
-        left = Scatter.of(sequence, description).left(description)
+        left = scatter.left(description)
         noise = fit_noise(description.noise, sequence.bins, sequence.bins.sums(left**2), held)
         description = description.with_noise(noise.noise)
         value = noise.log_likelihood - _jacobian_of_scale(sequence, description)
         if value < last + MIN_GAIN or fixed:
             break
-        last = value
-        description = _mean_moved(sequence, description)
+        last, scatter = value, Scatter.of(sequence, description)
+        description = _mean_moved(scatter, description)
     return AxisFit(sequence, description, value, noise)
 
 
@@ -505,17 +513,13 @@ def _jacobian_of_scale(sequence: AxisSequence, description: Description) -> floa
     return bins.last * float(np.mean(np.log(scale(sequence, description.changes))))
 
 
-def _mean_moved(sequence: AxisSequence, description: Description) -> Description:
+def _mean_moved(scatter: Scatter, description: Description) -> Description:
     """Return the description after steps of Gauss and Newton of its terms under its spectrum."""
-    scatter = Scatter.of(sequence, description)
     rest = scatter.left(description) / scatter.root
     for _ in range(MAX_SHORTENINGS):
-        columns = scatter.whiten(jacobian(description.terms, sequence), description)
-        precision = columns.T @ columns
-        norms = np.sqrt(np.diag(precision))
-        norms[norms == 0] = 1.0
-        step = np.linalg.lstsq(precision / np.outer(norms, norms), columns.T @ rest / norms, rcond=1e-10)[0]
-        moved, after = _line_search(scatter, description, step / norms, rest)
+        columns = scatter.whiten(jacobian(description.terms, scatter.sequence), description)
+        step = normal_equations.solution(columns.T @ columns, columns.T @ rest, OPEN)
+        moved, after = _line_search(scatter, description, step, rest)
         gained = 0.5 * (rest @ rest - after @ after)
         if gained <= 0:
             break

@@ -8,14 +8,16 @@ nothing is known.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.cosine_bins import cosine_coefficients
 from imugap.effects.effect import TINY, FilterEffect
+from imugap.numerics.fitting import normal_equations
 
+EPSILON = float(np.finfo(float).eps)
 CUTOFF_LOG_STD = 0.03
 """Standard deviation of the logarithm of a cutoff, as far as what a filter lets go of may say."""
 
@@ -61,9 +63,14 @@ class Outside:
         columns = cosine_coefficients(over_time(noise, count, interval)) if filtered else _of_ends(count)
         return cls(columns, columns / root[:, None] ** 2, known, filtered)
 
+    @cached_property
+    def precision(self) -> np.ndarray:
+        """Inverse of the covariance of the sizes that the samples alone give, shape (m, m)."""
+        return self.columns.T @ self.weighed
+
     def sizes(self, seen: np.ndarray) -> np.ndarray:
         """Return how much of each is in the samples of cosine coefficients ``seen``, shape (m,)."""
-        precision, right = self.columns.T @ self.weighed, self.weighed.T @ seen
+        precision, right = self.precision, self.weighed.T @ seen
         units = np.ones(len(right))
         if self.filtered:
             units[-1] = _solved(precision[:-1, :-1], right[:-1], self.known[:-1])[-1]
@@ -80,7 +87,8 @@ def over_time(noise: Noise, count: int, interval: float) -> np.ndarray:
     ends = np.hstack([np.eye(count, 1), np.eye(count, 1, 1 - count)]) if rounded else np.empty((count, 0))
     if output_filter is None:
         return ends
-    return np.column_stack([output_filter.passed(ends, interval), *_decay(output_filter, count, interval)])
+    passed = output_filter.passed(ends, interval) if rounded else ends
+    return np.column_stack([passed, *_decay(output_filter, count, interval)])
 
 
 def _steps(noise: Noise, interval: float) -> list[float]:
@@ -107,6 +115,4 @@ def _decay(output_filter: FilterEffect, count: int, interval: float) -> tuple[np
 
 def _solved(precision: np.ndarray, right: np.ndarray, known: Sequence[float]) -> np.ndarray:
     """Return sizes of least squares, each zero to 1/sqrt(``known``) a priori."""
-    both = precision + np.diag(known)
-    units = np.sqrt(np.maximum(np.diag(both), TINY))
-    return np.linalg.lstsq(both / np.outer(units, units), right / units)[0] / units
+    return normal_equations.solution(precision + np.diag(known), right, EPSILON * len(right))

@@ -7,9 +7,11 @@ a sequence without jumps at its ends (:mod:`imugap.estimation.likelihood`).
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from math import isfinite
 
 import numpy as np
+from numba import njit
 
 from imugap.discovery.preparation.cosine_bins import Bins
 from imugap.effects.effect import TINY, FilterEffect, Role, StochasticEffect
@@ -29,6 +31,8 @@ PRIOR_LOG_STD = 1.0
 """Standard deviation of the logarithm of a parameter that the data say nothing of."""
 MEDIAN_BINS = 8
 """Bins whose median is what a spectrum is at their place."""
+CACHED_SHAPES = 16
+"""Number of processes of unit size whose spectra are cached."""
 MIN_POWER_SHARE = 1e-7
 """Share of the power, in every bin, below which a process counts as absent."""
 
@@ -104,8 +108,9 @@ class Noise:
         """Iterate over all effects, the filter last."""
         return iter(self.effects if self.output_filter is None else (*self.effects, self.output_filter))
 
+    @cached_property
     def parameters(self) -> tuple[tuple[int, str], ...]:
-        """Return (index of the effect, parameter) of all that a fit adjusts.
+        """(index of the effect, parameter) of all that a fit adjusts.
 
         A loading of common noise has a sign, and its size is that of the density.
         """
@@ -114,12 +119,12 @@ class Noise:
     def theta(self) -> np.ndarray:
         """Return the logarithms of the parameters."""
         effects = list(self)
-        return np.log([getattr(effects[i], name) for i, name in self.parameters()])
+        return np.log([getattr(effects[i], name) for i, name in self.parameters])
 
     def at(self, theta: np.ndarray) -> "Noise":
         """Return the same effects with log parameters ``theta``."""
         effects = list(self)
-        for (i, name), value in zip(self.parameters(), np.exp(theta).tolist(), strict=True):
+        for (i, name), value in zip(self.parameters, np.exp(theta).tolist(), strict=True):
             effects[i] = replace(effects[i], **{name: value})
         if self.output_filter is None:
             return Noise(tuple(effects))
@@ -137,7 +142,7 @@ class NoiseFit:
     log_likelihood
         Log-density of the coefficients.
     information
-        Expected information of the log parameters, in the order of :meth:`Noise.parameters`.
+        Expected information of the log parameters, in the order of :attr:`Noise.parameters`.
     gradient
         That of the log-density in the same: zero but for what was held, or is at a limit.
     between
@@ -191,9 +196,8 @@ def fit(
 
     def propose(path: list[tuple], damping: float) -> tuple | None:
         theta, _, gradient, information = path[-1]
-        damped = information + np.diag(damping * (np.diag(information) + 1e-9))
         ends = np.maximum(low - theta, -MAX_LOG_STEP), np.minimum(high - theta, MAX_LOG_STEP)
-        trial = theta + _step(gradient, damped, *ends)
+        trial = theta + damped_step(gradient, information, damping, *ends)
         return None if abs(gradient @ (trial - theta)) < MIN_PREDICTED_GAIN else at(trial)
 
     first = at(np.clip(start.theta(), low, high))
@@ -202,20 +206,25 @@ def fit(
     return NoiseFit(start.at(theta), value, information, gradient)
 
 
-def _step(gradient: np.ndarray, information: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Return the step to the top of a quadratic within a box; what leads out of it stays at the end, the rest follows.
+@njit(cache=True)
+def damped_step(gradient, information, damping, low, high):
+    """Return the damped step to the top of a quadratic within a box; what leads out of it stays at the end.
 
-    A process much fainter than the others leads far out: a step shortened as a whole would not move the others.
+    The rest follows. A process much fainter than the others leads far out: a step shortened as a whole would not move
+    the others. Where the quadratic is not finite, the step is not a number.
     """
-    step = np.linalg.solve(information, gradient)
+    damped = information + np.diag(damping * (np.diag(information) + 1e-9))
+    if not (np.isfinite(damped).all() and np.isfinite(gradient).all()):
+        return np.full(len(gradient), np.nan)
+    step = np.linalg.solve(damped, gradient)
     beyond = (step < low) | (step > high)
     free = ~beyond
     while beyond.any():
-        step[beyond] = np.minimum(np.maximum(step, low), high)[beyond]
+        step = np.where(beyond, np.minimum(np.maximum(step, low), high), step)
         if not free.any():
             break
-        rest = gradient[free] - information[free][:, ~free] @ step[~free]
-        step[free] = np.linalg.solve(information[free][:, free], rest)
+        left = damped[free]
+        step[free] = np.linalg.solve(left[:, free], gradient[free] - left[:, ~free] @ step[~free])
         beyond = free & ((step < low) | (step > high))
         free &= ~beyond
     return step
@@ -239,8 +248,20 @@ class _Process:
         if self.unit is not None:
             return self.unit
         values = {name: float(np.exp(theta[i])) for name, i in zip(self.names, self.places, strict=True)}
-        effect = replace(self.effect, **(values | {self.effect.size(): 1.0}))
-        return effect.sampled_psd(bins.frequency, bins.interval) / bins.interval
+        return _variance(replace(self.effect, **(values | {self.effect.size(): 1.0})), bins)
+
+
+def _variance(effect: StochasticEffect, bins: Bins) -> np.ndarray:
+    """Return the variance that a process alone gives a coefficient in each bin, shape (bins,)."""
+    return effect.sampled_psd(bins.frequency, bins.interval) / bins.interval
+
+
+@lru_cache(maxsize=CACHED_SHAPES)
+def _unit_variance(effect: StochasticEffect, bins: Bins) -> np.ndarray:
+    """Return that variance, for processes of which many fits have nothing but the size to adjust."""
+    shape = _variance(effect, bins)
+    shape.flags.writeable = False
+    return shape
 
 
 class NoiseSpectra:
@@ -251,12 +272,10 @@ class NoiseSpectra:
         self.noise, self.bins, self.processes = noise, bins, []
         self.held = self._filter(noise.theta()[-1]) if held else None
         for i, effect in enumerate(noise.effects):
-            mine = [(name, j) for j, (index, name) in enumerate(noise.parameters()) if index == i]
+            mine = [(name, j) for j, (index, name) in enumerate(noise.parameters) if index == i]
             names, places = zip(*mine, strict=True)
-            process = _Process(effect, names, places, None)
-            if len(names) == 1:
-                process = replace(process, unit=process.shape(np.zeros(places[0] + 1), bins))
-            self.processes.append(process)
+            unit = _unit_variance(replace(effect, **{effect.size(): 1.0}), bins) if len(names) == 1 else None
+            self.processes.append(_Process(effect, names, places, unit))
 
     def expand(self, theta: np.ndarray, power: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
         """Return log-likelihood, gradient and expected information in the log parameters."""
@@ -306,7 +325,7 @@ def limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.
     """
     effects, spans = list(noise), []
     level, duration = power / bins.number, bins.count * bins.interval
-    for i, name in noise.parameters():
+    for i, name in noise.parameters:
         effect, (least, most) = effects[i], effects[i].limits()[name]
         if isfinite(most):
             spans.append((least * (1 + 2 * DIFFERENCE_STEP), most * (1 - 2 * DIFFERENCE_STEP)))

@@ -86,7 +86,7 @@ def level_error(run: AxisFit) -> float:
 def _correlation_times(run: AxisFit) -> Iterator[float]:
     """Yield the upper end of the 95 % interval of each correlation time [s]."""
     covariance = run.noise.covariance
-    for place, (index, name) in enumerate(run.description.noise.parameters()):
+    for place, (index, name) in enumerate(run.description.noise.parameters):
         if name == "correlation_time":
             time = run.description.noise.effects[index].correlation_time
             yield float(time * np.exp(NORMAL_QUANTILE * np.sqrt(covariance[place, place])))

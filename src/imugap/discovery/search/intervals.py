@@ -84,7 +84,7 @@ def _random(fit: AxisFit, index: int) -> dict[str, tuple[float, float]]:
     information = fit.noise.information
     covariance = np.linalg.pinv(information, rcond=1e-12, hermitian=True)
     ends = {}
-    for j, (i, name) in enumerate(noise.parameters()):
+    for j, (i, name) in enumerate(noise.parameters):
         if i == index:
             value = getattr(list(noise)[i], name)
             error = np.sqrt(max(covariance[j, j], 0.0))

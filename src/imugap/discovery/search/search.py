@@ -14,8 +14,7 @@ from functools import cached_property
 from itertools import combinations
 
 import numpy as np
-from scipy.special import gammaln
-from scipy.stats import chi2
+from scipy.special import chdtrc, gammaln
 
 from imugap.discovery.fit.axis_fit import AxisFit, fit
 from imugap.discovery.fit.description import Description, Entry
@@ -447,7 +446,7 @@ class Search:
         hoped
             Kind of effects that come last: the exchange of the others may make them significant.
         """
-        examined = {} if settled is None else {key: one.trial.gain for key, one in self._by_kind(settled)}
+        examined = {} if settled is None else {key: one.gain for key, one in self._by_kind(settled)}
 
         def last(added: tuple[tuple[type[Effect], int], "Candidate"]) -> bool:
             return hoped is not None and isinstance(added[1].effect, hoped)
@@ -455,12 +454,12 @@ class Search:
         for _ in range(MAX_ADDITIONS):
             found = self.joined(found)
             for key, one in sorted(self._by_kind(found), key=last):
-                if key in examined and not _touched(examined[key], one.trial.gain):
+                if key in examined and not _touched(examined[key], one.gain):
                     continue
                 if (other := self._improvement(one)) is not None:
                     found = other
                     break
-                examined[key] = one.trial.gain
+                examined[key] = one.gain
             else:
                 return found
         return found
@@ -550,15 +549,20 @@ class Candidate:
             return self.fit
         return self.search.fitted(self.fit.sequence, self.fit.description.without([self.index]))
 
+    @property
+    def gain(self) -> float:
+        """Return the gain of log-likelihood by the effect."""
+        if self.role is Role.OUTLIERS:
+            return self.search.tails[self.effect].gain
+        return self.fit.log_likelihood - self.without.log_likelihood
+
     @cached_property
     def trial(self) -> Trial:
         """The likelihood ratio of the effect."""
         if self.role is Role.OUTLIERS:
-            return Trial(self.effect, self.fit, self.search.tails[self.effect].gain, 2, TAIL_SHAPES)
-        without = self.without
-        more = max(self.fit.description.size() - without.description.size(), 1)
-        gain = self.fit.log_likelihood - without.log_likelihood
-        return Trial(self.effect, self.fit, gain, more, _places(self.effect, more, without))
+            return Trial(self.effect, self.fit, self.gain, 2, TAIL_SHAPES)
+        more = max(self.fit.description.size() - self.without.description.size(), 1)
+        return Trial(self.effect, self.fit, self.gain, more, _places(self.effect, more, self.without))
 
     @property
     def significant(self) -> bool:
@@ -701,5 +705,5 @@ def log_p_of_gain(gain: float, parameters: int) -> float:
     if not 0 < gain < np.inf:
         return 0.0 if gain <= 0 else -np.inf
     if gain < MAX_EXACT_GAIN:
-        return float(chi2.logsf(2 * gain, parameters))
+        return float(np.log(chdtrc(parameters, 2 * gain)))
     return float(-gain + (parameters / 2 - 1) * np.log(gain) - gammaln(parameters / 2))

@@ -71,7 +71,7 @@ class NoiseProfile:
     def holding(self, index: int, values: Mapping[str, float]) -> "_Climb":
         """Return the maximum with some parameters of the effect at ``index`` held, each at a value."""
         low, high = (one.copy() for one in self._limits)
-        for place, (of, name) in enumerate(self.noise.parameters()):
+        for place, (of, name) in enumerate(self.noise.parameters):
             if of == index and name in values:
                 low[place] = high[place] = np.log(values[name])
         return self._climb(low, high)
@@ -109,7 +109,7 @@ class NoiseProfile:
         if not np.any(self.scatter):
             return 1.0
         own = np.linalg.pinv(self.best.information, rcond=1e-9, hermitian=True)
-        mine = [place for place, (of, _) in enumerate(self.noise.parameters()) if of == index]
+        mine = [place for place, (of, _) in enumerate(self.noise.parameters) if of == index]
         ratios = [self.scatter[place, place] / own[place, place] for place in mine if own[place, place] > 0]
         return 1.0 + max(ratios, default=0.0)
 
@@ -156,7 +156,7 @@ class NoiseProfile:
         """Return the range of a function of an effect within the limits of its parameters."""
         low, high = self._limits
         theta, ends = self.noise.theta(), []
-        mine = [place for place, (of, _) in enumerate(self.noise.parameters()) if of == index]
+        mine = [place for place, (of, _) in enumerate(self.noise.parameters) if of == index]
         for corner in range(2 ** len(mine)):
             at = theta.copy()
             for bit, place in enumerate(mine):
@@ -174,10 +174,10 @@ class NoiseProfile:
     def _limits(self) -> tuple[np.ndarray, np.ndarray]:
         low, high = limits(self.noise, *self.runs[0])
         theta, effects = self.noise.theta(), list(self.noise)
-        free = [np.isinf(effects[index].limits()[name][1]) for index, name in self.noise.parameters()]
+        free = [np.isinf(effects[index].limits()[name][1]) for index, name in self.noise.parameters]
         beyond = np.array([
             BEYOND if unlimited and effects[index].role is not Role.FILTER else 0.0
-            for unlimited, (index, _) in zip(free, self.noise.parameters(), strict=True)
+            for unlimited, (index, _) in zip(free, self.noise.parameters, strict=True)
         ])  # fmt: skip
         return np.minimum(low, theta), np.maximum(high + beyond, theta)
 

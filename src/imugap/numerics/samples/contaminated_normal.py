@@ -166,10 +166,11 @@ def _climb(squares, number, share, narrow, wide):
     last, total = -np.inf, number.sum()
     for _ in range(MAX_ITERATIONS):
         low, high = _log_densities(squares, share, narrow, wide)
-        value = float(number @ np.logaddexp(low, high))
+        odds = np.exp(-np.abs(high - low))
+        value = float(number @ (np.maximum(low, high) + np.log(1 + odds)))
         if value - last < MIN_GAIN:
             break
-        last, weight = value, number * expit(high - low)
+        last, weight = value, number * np.where(high > low, 1.0, odds) / (1 + odds)
         hit = max(weight.sum(), 1e-9)
         share = float(np.clip(hit / total, 1e-9, 0.5))
         wide = float(np.sqrt((weight @ squares) / hit))

@@ -7,6 +7,7 @@ probability of the highest sum of all tracks is known (a stack-slide search; Bra
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numba import njit
@@ -29,6 +30,8 @@ MAX_STEADY_POWER = 1.8
 """Maximum median power over the segments of a frequency without a steady line."""
 WINDOW = 64
 """Number of frequencies for the median noise level."""
+CACHED_SWEEPS = 256
+"""Number of sweeps that are kept, for residuals of two lengths."""
 TINY = float(np.finfo(float).tiny)
 
 
@@ -111,12 +114,19 @@ def _segment_powers(parts: np.ndarray, sweep: int) -> tuple[np.ndarray, np.ndarr
     Each has shape (segments, steps). A downward sweep is an upward one at the negative frequency.
     """
     length = parts.shape[1]
-    time = (np.arange(length) - (length - 1) / 2) / length
-    dechirped = parts * np.exp(-1j * np.pi * sweep * time**2).astype(np.complex64)
-    lines = fft(dechirped, OVERSAMPLING * length, axis=1)
+    lines = fft(parts * _sweep(length, sweep), OVERSAMPLING * length, axis=1)
     powers = (lines.real**2 + lines.imag**2) / np.float32(length)
     steps = OVERSAMPLING * length // 2
-    return powers[:, :steps], np.roll(powers[:, ::-1], 1, axis=1)[:, :steps]
+    return powers[:, :steps], np.hstack([powers[:, :1], powers[:, :-steps:-1]])
+
+
+@lru_cache(maxsize=CACHED_SWEEPS)
+def _sweep(length: int, sweep: int) -> np.ndarray:
+    """Return what a chirp of a sweep is multiplied by to be a line, shape (length,), read-only."""
+    time = (np.arange(length) - (length - 1) / 2) / length
+    turns = np.exp(-1j * np.pi * sweep * time**2).astype(np.complex64)
+    turns.flags.writeable = False
+    return turns
 
 
 def _level(powers: np.ndarray) -> np.ndarray:
@@ -124,15 +134,14 @@ def _level(powers: np.ndarray) -> np.ndarray:
 
     It combines the mean of each segment, the median around each frequency, and the median over time at steady lines.
     """
-    over_time = np.maximum(powers.mean(axis=1, keepdims=True), 1.0)
-    along = np.ascontiguousarray(powers.T)
-    count = len(along) // WINDOW
-    independent = along[: count * WINDOW : OVERSAMPLING]
-    around = np.repeat(_medians(independent.reshape(count, -1)), WINDOW)
-    around = np.pad(around, (0, len(along) - len(around)), mode="edge")
-    steady = _medians(along)
-    medians = np.maximum(around, np.where(steady > MAX_STEADY_POWER, steady, 0.0))
-    return over_time * np.maximum(medians / np.float32(np.log(2)), 1.0)
+    segments, steps = powers.shape
+    over_time, count = np.maximum(powers.mean(axis=1, keepdims=True), 1.0), steps // WINDOW
+    independent = powers[:, : count * WINDOW : OVERSAMPLING].reshape(segments, count, -1).swapaxes(0, 1)
+    around = _medians(independent.reshape(count, -1))[np.minimum(np.arange(steps) // WINDOW, count - 1)]
+    steady = np.flatnonzero(np.count_nonzero(powers > MAX_STEADY_POWER, axis=0) >= segments // 2)
+    middle = _medians(powers[:, steady].T)
+    around[steady] = np.where(middle > MAX_STEADY_POWER, np.maximum(around[steady], middle), around[steady])
+    return over_time * np.maximum(around / np.float32(np.log(2)), 1.0)
 
 
 def _medians(rows: np.ndarray) -> np.ndarray:
@@ -141,7 +150,7 @@ def _medians(rows: np.ndarray) -> np.ndarray:
     return (ordered[:, half] + ordered[:, -half - 1]) / 2
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath={"nnan", "nsz"})
 def _best_track(powers, drifts):
     """Return drift and first frequency [steps], and power, of the straight track of highest power."""
     segments, steps = powers.shape
@@ -160,7 +169,9 @@ def _best_track(powers, drifts):
             row = powers[m, first + shifts[m] : last + shifts[m]]
             for i in range(len(sums)):
                 sums[i] += row[i]
-        i = int(np.argmax(sums))
-        if sums[i] > best[2]:
-            best = (int(drift), first + i, sums[i])
+        highest = np.float32(0.0)
+        for i in range(len(sums)):
+            highest = max(highest, sums[i])
+        if highest > best[2]:
+            best = (int(drift), first + int(np.argmax(sums)), highest)
     return best
