@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
     report = found.made_by(options.command_line).report(folder, options.format)
     summary = found.summary
     if options.json and not found.agrees:
-        print(f"imugap: {options.log}, {options.fixes}: {found.verdict}", file=sys.stderr)
+        print(f"imugap: {options.log}, {options.fixes}: {' '.join(found.verdict.splitlines())}", file=sys.stderr)
     happened = ", ".join(" ".join(row) for row in events(summary)) or "none"
     rows = (*extent(summary), ("NIS", consistency(summary)), ("events at fixes", happened))
     print(json_text(summary) if options.json else summary_text(found.verdict, rows, report))

@@ -32,7 +32,7 @@ def page(found: NavigatedDrive) -> Page:
     counts = DataTable("Events.", ("event", "number"), events(summary))
     return Page(
         "Where did the vehicle go, and do device and receiver agree?",
-        (str(verdict), _extent(found, summary)),
+        (*str(verdict).splitlines(), _extent(found, summary)),
         verdict.agrees,
         (
             Part("What to write into the configuration", (Text(CORRECTIONS), Points(corrected)) if corrected else ()),

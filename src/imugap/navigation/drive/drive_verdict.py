@@ -116,19 +116,26 @@ class DriveVerdict:
         return float(np.sqrt(np.nanmax([1.0, self.fit.nis, self.smoother, self.outage])))
 
     def __str__(self) -> str:
-        """Return the verdict in words."""
-        parts = [str(one) for one in self.corrections if one.explains]
+        """Return the answer in a line, then what was corrected, and offsets that last, a line each."""
+        mended = [one for one in self.corrections if one.explains]
+        lines = (self._answer([one.error for one in mended]), *map(str, mended), *map(str, self.offsets))
+        return "\n".join(f"{one[0].upper()}{one[1:]}." for one in lines)
+
+    def _answer(self, named: list[str]) -> str:
+        """Return whether device and fixes fit in words, and the names of what was corrected."""
+        corrected = f", with {', '.join(named)} corrected" if named else ""
         if self.reasons:
             larger = f", and the stated deviations are multiplied by {self.factor:.2g}" if self.factor > 1 else ""
-            parts.append(f"device and fixes do not agree: {'; '.join(self.reasons)}; nothing that was tried corrects "
-                         f"it{larger}")  # fmt: skip
-        else:
-            apart = " otherwise" if self.offsets else ""
-            until = apart if self.offset_since is None else f" until {self.offset_since:.10g} s"
-            then = " then" if self.corrections else ""
-            parts.append(f"device and fixes agree{then}{until}{self._exceptions()}")
-        parts += [str(one) for one in self.offsets]
-        return ". ".join(one[0].upper() + one[1:] for one in parts) + "."
+            reasons = "; ".join(self.reasons)
+            return f"device and fixes do not agree{corrected}: {reasons}; nothing that was tried corrects it{larger}"
+        agree = "agree"
+        if self.offsets:
+            until = f"agree only until {self.offset_since:.10g} s"
+            agree = "do not agree throughout" if self.offset_since is None else until
+        found = f"{agree}{self._exceptions()}"
+        if named:
+            return f"device and fixes do not fit as given: {', '.join(named)}. Corrected, they {found}"
+        return f"device and fixes {found}"
 
     def _exceptions(self) -> str:
         """Return the share of fixes that do not fit, in words; nothing where it may be chance."""
