@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from tests import strict_json
 
 from imugap import cli, log
-from imugap.analysis.drive import SCHEMA, STD, DriveSettings, RecordedDrive, mounted, navigate_drive
+from imugap.analysis.drive import STD, RecordedDrive, mounted, navigate_drive
+from imugap.analysis.drive_settings import SCHEMA, DriveSettings
 from imugap.commands.drive import FILES
 from imugap.io.configuration import configure
 from imugap.io.json_schema import Draft202012Validator
@@ -103,7 +104,12 @@ def test_the_folder_is_whole_and_says_where_the_vehicle_was(here, lap, capsys, s
     for name in ("set_aside", "weighed_down", "offset_opened", "offset_closed"):
         assert found[name] == (events["event"] == name.replace("_", " ")).sum()
     assert found["set_aside"] >= 1
+    drifts = pd.read_csv("found/outages.csv")
+    pd.testing.assert_frame_equal(pd.DataFrame(found["drift_over_outages"]), drifts)
+    assert f"(95 %: {drifts['p95_m'][0]:.3g}) in 10 s, {drifts['windows'][0]} windows" in out
+    assert cli.main(["export", "found/model.yaml", "--to", "kf-gins", "--rate", "100", "--out", "kf-gins.yaml"]) == 0
     page = Path("found/report.html").read_text()
+    assert all(line in page for line in Path("found/settings.yaml").read_text().splitlines())
     assert f"s long. It starts {found['start_s']:.3g} s into the log" in page
 
 

@@ -8,18 +8,24 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from imugap.analysis import track
-from imugap.analysis.drive import DriveSettings, NavigatedDrive, RecordedDrive, navigate_drive
+from imugap.analysis.drive import NavigatedDrive, RecordedDrive, navigate_drive
+from imugap.analysis.drive_settings import DriveSettings
 from imugap.api.logs import LogSource, read
 from imugap.api.result import Result, SourcePath, call
 from imugap.io.fixes import reading
 from imugap.io.fixes.reading import ReceiverLog
 from imugap.io.fixes.receiver_settings import ReceiverSettings
+from imugap.model import ErrorModel
 from imugap.pages.provenance import InputFile, Provenance
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from imugap.pages.page import Page
+
+
+SETTINGS_FILE, MODEL_FILE = "settings.yaml", "model.yaml"
+"""Files of the settings in use and of their error model."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -50,6 +56,21 @@ class Driven(Result):
         return self.found.summary()
 
     @property
+    def outages(self) -> pd.DataFrame:
+        """Windows of 10, 30 and 60 s whose fixes were withheld: drift of the prediction, and what the filter states."""
+        return self.found.outages.windows
+
+    @property
+    def model(self) -> ErrorModel:
+        """Error model of the device in use, with noise that the drive has shown."""
+        return self.found.settings.model
+
+    @property
+    def settings(self) -> str:
+        """Configuration (YAML) by which the same follows from the same files; its model is that in ``model.yaml``."""
+        return self.found.settings.text(MODEL_FILE)
+
+    @property
     def agrees(self) -> bool:
         """Whether device and fixes agree as they were given."""
         return self.found.verdict.agrees
@@ -66,7 +87,7 @@ class Driven(Result):
         return drive.track(self.found.filtered, self.found.smoothed, self.found.fixes)
 
     def files(self, kind: str = "svg") -> Mapping[str, object]:
-        """Return solutions, events, summary, the path for maps, and figures."""
+        """Return solutions, events, drift over outages, settings and error model in use, summary, maps, and figures."""
         from imugap.figures import drive
 
         filtered, smoothed = self.found.filtered, self.found.smoothed
@@ -74,6 +95,9 @@ class Driven(Result):
             "solution.parquet": self.filtered,
             "smoothed.parquet": self.trajectory,
             "events.csv": filtered.events,
+            "outages.csv": self.found.outages.drifts,
+            SETTINGS_FILE: self.settings,
+            MODEL_FILE: self.model,
             "summary.json": self.summary,
             "path.geojson": track.geojson(smoothed),
             "path.kml": track.kml(smoothed),

@@ -10,7 +10,8 @@ from scipy.signal import lfilter
 from tests.navigation.drive.test_vehicle_alignment import LEVEL, LEVER
 
 from imugap import cli, log
-from imugap.analysis.drive import DriveSettings, RecordedDrive, check, navigate_drive
+from imugap.analysis.drive import RecordedDrive, check, navigate_drive
+from imugap.analysis.drive_settings import DriveSettings
 from imugap.commands.drive import DISAGREES
 from imugap.log import GYRO
 from imugap.numerics.rotation import from_euler

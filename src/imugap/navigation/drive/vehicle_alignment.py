@@ -22,7 +22,6 @@ from imugap.filters.alignment import biases_from_rest, level_sensitivity
 from imugap.filters.error_state import ATTITUDE, NAVIGATION, VELOCITY
 from imugap.filters.sensor_states import SensorStates
 from imugap.integrity.rest import departure
-from imugap.io import gnss
 from imugap.kinematics import earth
 from imugap.kinematics.strapdown import Ellipsoid, Local, NavigationState, level, navigate
 from imugap.log import ACCEL, AXES, GYRO
@@ -63,11 +62,9 @@ SMALLEST_BIAS = 1e-4
 
 def align(inputs: DriveInputs) -> InitialState:
     """Return the initial state at the first fix with a known course; raise ValueError without one."""
-    log, fixes, assumptions, ellipsoid = inputs.log, inputs.fixes, inputs.assumptions, inputs.ellipsoid
+    log, assumptions, ellipsoid = inputs.log, inputs.assumptions, inputs.ellipsoid
     states, settings = assumptions.states(inputs.model), inputs.alignment
-    time = fixes.index.to_numpy(dtype=float) + assumptions.time_offset_s
-    seen = gnss.local(fixes, ellipsoid)
-    std = gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)
+    time, seen, std = inputs.measured
     stamp = log.index.to_numpy(dtype=float)
     near = np.minimum(np.searchsorted(stamp, time), len(log) - 1)
     gyro, lever = log[list(GYRO)].to_numpy()[near], np.array(assumptions.lever_m)
@@ -126,11 +123,8 @@ def _heading(rate: np.ndarray, lever: np.ndarray, velocity: np.ndarray) -> float
 
 def velocity_pair(inputs: DriveInputs) -> VelocityPair:
     """Return the samples, and the velocities of the fixes on the clock of the device."""
-    log, fixes, assumptions = inputs.log, inputs.fixes, inputs.assumptions
-    states = assumptions.states(inputs.model)
-    time = fixes.index.to_numpy(dtype=float) + assumptions.time_offset_s
-    std = gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)
-    seen = gnss.local(fixes, inputs.ellipsoid)
+    log, states = inputs.log, inputs.assumptions.states(inputs.model)
+    time, seen, std = inputs.measured
     velocity, spread = velocities(time, seen, std)
     biases = states.variance[(states.axis < len(GYRO)) & ~states.scale]
     return VelocityPair(
