@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from imugap.analysis.drive_settings import DriveSettings
+from imugap.analysis.drive_settings import EULER, DriveSettings
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import (
     CLOSED,
@@ -256,7 +256,10 @@ def _apart(start: float, first: float, duration: float) -> str:
         ):
             if whole > gps_time.GPS_EPOCH_S and abs(left) <= duration:
                 return f", as of {name} (time_offset: {{offset_s: {offset:.10g}}})"
-    return f" (are they on one clock? time_offset: {{offset_s: {start - first:.10g}}} lets both begin together)"
+    return (
+        f" (are they on one clock? time_offset: {{offset_s: {start - first:.10g}}} lets both begin together; "
+        "--columns time=NAME takes other stamps of the log)"
+    )
 
 
 def screen(recorded: RecordedDrive) -> RecordedDrive:
@@ -320,10 +323,31 @@ def mounted(log: pd.DataFrame, mounting: tuple[float, float, float]) -> pd.DataF
         columns |= dict(zip(triad, turned.T, strict=True))
     turned = pd.DataFrame(columns, index=log.index)
     force = turned[list(ACCEL)].mean().to_numpy()
-    if not -force[2] > STEEPEST * np.linalg.norm(force):
+    if not points_up(force):
         shown = ", ".join(f"{value:.2f}" for value in force)
+        angles = ", ".join(f"{name}_deg: {one:.4g}" for name, one in zip(EULER, np.degrees(mounting), strict=True))
         raise ValueError(
             f"drive: expected a mean specific force that points up, accel_z near -9.8 m/s^2; found {shown} m/s^2 "
-            "(give the mounting of the device)"
-        )
+            + (f"with mounting: {{{angles}}}, which gravity contradicts" if any(mounting) else
+               "(give the mounting of the device)")
+        )  # fmt: skip
     return turned
+
+
+def points_up(force: np.ndarray) -> bool:
+    """Return whether a mean specific force in the axes of the vehicle, shape (3,), is that against gravity."""
+    return bool(-force[2] > STEEPEST * np.linalg.norm(force))
+
+
+def keeps_recognised_axes(recording: Recording, mounting: tuple[float, float, float]) -> bool:
+    """Return whether a mounting turns the axes that were recognised upright, and not those of the file.
+
+    A mounting by heading alone of a device with z up is one in the recognised axes, forward, right and down; one with a
+    roll of 180 deg is one in those of the file.
+    """
+    force = recording.table[list(ACCEL)].mean().to_numpy(copy=True)
+    own = frame.rotation_of(recording.frame).T @ force
+    turn = from_euler(np.array(mounting))
+    return (
+        recording.frame in (frame.CANONICAL, "FLU") and points_up(turn.apply(force)) and not points_up(turn.apply(own))
+    )

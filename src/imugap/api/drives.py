@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from imugap.analysis import track
-from imugap.analysis.drive import NavigatedDrive, RecordedDrive, navigate_drive
+from imugap.analysis.drive import NavigatedDrive, RecordedDrive, keeps_recognised_axes, navigate_drive
 from imugap.analysis.drive_settings import DriveSettings
-from imugap.api.logs import LogSource, read
+from imugap.api.logs import DeviceLog, LogSource, read
 from imugap.api.result import Result, SourcePath, call
 from imugap.io.fixes import reading
 from imugap.io.fixes.reading import ReceiverLog
 from imugap.io.fixes.receiver_settings import ReceiverSettings
+from imugap.io.recognition.frame import AS_IS
 from imugap.model import ErrorModel
 from imugap.pages.provenance import InputFile, Provenance
 
@@ -144,9 +145,7 @@ def drive(
         Unit of latitude and longitude in a table, ``deg`` or ``rad``.
     """
     settings = DriveSettings.read(None if config is None else Path(config), effects)
-    found, turned = read(log), any(settings.mounting)
-    if turned:
-        found = found.in_own_axes()  # the mounting turns the device itself
+    found, turned = in_axes_of_mounting(read(log), settings), any(settings.mounting)
     receiver = _receiver(fixes, ReceiverSettings(fixes_topic, fixes_angles))
     known = turned or found.settings.frame is not None
     recorded = RecordedDrive.of(found.recording, receiver.fixes, settings, known, as_given)
@@ -159,6 +158,16 @@ def drive(
         files.append(InputFile.of("configuration", config, settings.recognised))
     made = call("drive", [found.source, str(receiver.source)], config=config, effects=effects, as_given=as_given)
     return Driven(found=navigated, provenance=Provenance(made, tuple(files)))
+
+
+def in_axes_of_mounting(found: DeviceLog, settings: DriveSettings) -> DeviceLog:
+    """Return a log in the axes that the mounting of a device turns: those of its file, or the recognised ones.
+
+    Gravity decides; where it contradicts the mounting in both, they are those of the file.
+    """
+    if not any(settings.mounting) or found.settings.frame is not None or found.recording.frame == AS_IS:
+        return found
+    return found if keeps_recognised_axes(found.recording, settings.mounting) else found.in_own_axes()
 
 
 def _receiver(fixes: ReceiverLog | pd.DataFrame | SourcePath, settings: ReceiverSettings) -> ReceiverLog:

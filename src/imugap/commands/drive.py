@@ -2,16 +2,15 @@
 
 import argparse
 import sys
-from dataclasses import replace
 
 from imugap.analysis.drive_settings import DriveSettings
-from imugap.api.drives import MODEL_FILE, SETTINGS_FILE, drive
+from imugap.api import logs
+from imugap.api.drives import MODEL_FILE, SETTINGS_FILE, drive, in_axes_of_mounting
 from imugap.commands.arguments import add_effects, add_examples
 from imugap.commands.outputs import FOLDER_HELP, add_format, add_json, json_text, require_folder
-from imugap.commands.reading import LOG_HELP, add_reading, read, say, settings_of
+from imugap.commands.reading import LOG_HELP, add_reading, say, settings_of
 from imugap.io.fixes import reading as fixes
 from imugap.io.fixes.receiver_settings import ReceiverSettings
-from imugap.io.recognition.frame import AS_IS
 from imugap.pages.drive import consistency, drift_text, events, extent
 from imugap.pages.shown import summary_text
 
@@ -57,10 +56,9 @@ def run(options: argparse.Namespace) -> int:
     """Navigate the drive, write the folder ``--out``, print verdict and summary; return the exit code."""
     folder = require_folder(options.out, FILES, (options.log, options.fixes, options.config))
     settings, reading = DriveSettings.read(options.config, options.effects), settings_of(options)
-    if any(settings.mounting) and reading.frame is None:
-        reading = replace(reading, frame=AS_IS)  # the mounting turns the device itself
     say(options.config, settings.recognised)
-    log = read(options.log, reading)
+    log = in_axes_of_mounting(logs.read(options.log, reading), settings)
+    say(options.log, log.recognised)
     receiver = fixes.read(options.fixes, ReceiverSettings(options.fixes_topic, options.fixes_angles))
     say(options.fixes, receiver.recognised)
     found = drive(log, receiver, config=options.config, effects=options.effects, as_given=options.as_given)

@@ -119,11 +119,15 @@ def drift_text(summary: Mapping) -> tuple[str, str]:
     """Return title and words on the drift over outages: median and 95th percentile, and what is stated."""
     rows = summary["drift_over_outages"]
     parts = [
-        f"{one['median_m']:.3g} (95 %: {one['p95_m']:.3g}) in {one['length_s']:g} s, {one['windows']} windows, "
+        f"{one['median_m']:.3g} (95 %: {one['p95_m']:.3g}) in {one['length_s']:g} s, {_windows(one['windows'])}, "
         f"{_against(one)}"
         for one in rows
     ]
     return "drift without fixes [m]", "; ".join(parts) or "no room for a window"
+
+
+def _windows(count: int) -> str:
+    return f"{count} window{'s' if count > 1 else ''}"
 
 
 def _against(one: Mapping) -> str:
