@@ -12,7 +12,10 @@ from hypothesis import strategies as st
 from tests import strict_json
 
 from imugap import cli, log
-from imugap.analysis.drive import SCHEMA, STD, DriveSettings, RecordedDrive, mounted, navigate_drive
+from imugap.analysis.drive import STD, RecordedDrive, mounted, navigate_drive
+from imugap.analysis.drive_settings import SCHEMA, DriveSettings
+from imugap.api import logs
+from imugap.api.drives import in_axes_of_mounting
 from imugap.commands.drive import FILES
 from imugap.io.configuration import configure
 from imugap.io.json_schema import Draft202012Validator
@@ -23,6 +26,8 @@ from imugap.numerics.rotation import from_euler
 ROOT = Path(__file__).parents[2]
 SEED = 61
 MOUNTING = {"roll_deg": 180.0, "pitch_deg": 7.0, "heading_deg": -175.0}
+UPWARD = np.array([1.0, -1.0, -1.0] * 2)
+"""Signs of the axes of a device with x forward and z up."""
 LEVER = {"x_m": 0.4, "y_m": -0.3, "z_m": -1.2}
 
 
@@ -46,6 +51,7 @@ def files(tmp_path_factory, lap):
     fixes.loc[100.0, "latitude"] += 50 / 111e3
     log.write(record, folder / "imu.csv")
     log.write(in_device(record), folder / "turned.parquet")
+    log.write(record * UPWARD, folder / "upward.csv")
     log.write(record[(record.index < 90.001) | (record.index > 91.0)], folder / "gap.csv")
     fixes.to_csv(folder / "gnss.csv")
     fixes.drop(columns=[name for name in fixes if name not in GEODETIC]).to_parquet(folder / "places.parquet")
@@ -57,6 +63,9 @@ def files(tmp_path_factory, lap):
     own = {"model": "device.yaml", "lever_arm": LEVER, "scale_factor": {"gyro_std": 1e-3, "accel_std": 1e-3}}
     (folder / "own.yaml").write_text(yaml.safe_dump(own))
     (folder / "turned.yaml").write_text(yaml.safe_dump(own | {"mounting": MOUNTING}))
+    (folder / "left.yaml").write_text(yaml.safe_dump({"mounting": {"heading_deg": 20.0}}))
+    (folder / "upright.yaml").write_text(yaml.safe_dump({"mounting": {"roll_deg": 180.0, "heading_deg": 20.0}}))
+    (folder / "tilted.yaml").write_text(yaml.safe_dump({"mounting": {"pitch_deg": 85.0}}))
     (folder / "misspelt.yaml").write_text("quality: {robustt: true}")
     (folder / "wrong.yaml").write_text("epoch_s: -1")
     (folder / "list.yaml").write_text("- 1")
@@ -83,7 +92,7 @@ def test_the_folder_is_whole_and_says_where_the_vehicle_was(here, lap, capsys, s
     assert out.startswith(f"{found['verdict']}\n\n")
     assert f"set aside {found['set_aside']}" in out
     assert out.endswith("More: found/report.html\n")
-    assert len(out.splitlines()) < 15
+    assert len(out.splitlines()) < 20
     assert found["outages"] == 1
     assert found["longest_outage_s"] == pytest.approx(22.0)
     assert found["distance_m"] == pytest.approx(2830, rel=0.02)
@@ -103,7 +112,12 @@ def test_the_folder_is_whole_and_says_where_the_vehicle_was(here, lap, capsys, s
     for name in ("set_aside", "weighed_down", "offset_opened", "offset_closed"):
         assert found[name] == (events["event"] == name.replace("_", " ")).sum()
     assert found["set_aside"] >= 1
+    drifts = pd.read_csv("found/outages.csv")
+    pd.testing.assert_frame_equal(pd.DataFrame(found["drift_over_outages"]), drifts)
+    assert f"(95 %: {drifts['p95_m'][0]:.3g}) in 10 s, {drifts['windows'][0]} windows" in out
+    assert cli.main(["export", "found/model.yaml", "--to", "kf-gins", "--rate", "100", "--out", "kf-gins.yaml"]) == 0
     page = Path("found/report.html").read_text()
+    assert all(line in page for line in Path("found/settings.yaml").read_text().splitlines())
     assert f"s long. It starts {found['start_s']:.3g} s into the log" in page
 
 
@@ -146,6 +160,7 @@ FAULTS = {
     "imu.csv tiny.csv": r"tiny.csv: column time: expected stamps in seconds, at most 1000 Hz; found 1e\+12 Hz",
     "imu.csv brief.csv": "drive: expected at least 2 fixes within the time of the log; found 1 of",
     "turned.parquet gnss.csv": "expected a mean specific force that points up, accel_z near -9.8",
+    "imu.csv gnss.csv --config tilted.yaml": "pitch_deg: 85, heading_deg: 0}, which gravity contra",
     "imu.csv none.csv": "none.csv: file: expected a log of fixes",
     "none.csv gnss.csv": "none.csv: file: expected a log",
     "imu.csv imu.csv": "imu.csv: line 1: expected all of latitude, longitude, height",
@@ -214,3 +229,13 @@ def test_a_mounting_turns_the_device_into_the_vehicle(lap):
     record = lap.record(1, SEED)
     turned = mounted(in_device(record), tuple(np.radians(list(MOUNTING.values()))))
     np.testing.assert_allclose(turned, record, atol=1e-12)
+
+
+@pytest.mark.parametrize("config", ["left.yaml", "upright.yaml"])
+def test_a_mounting_leaves_the_recognition_of_a_device_with_z_up(here, capsys, config):
+    """By heading alone it is one in the recognised axes, with a roll of 180 deg in those of the file."""
+    found = in_axes_of_mounting(logs.read("upward.csv"), settings := DriveSettings.read(config))
+    turned = mounted(found.table, settings.mounting)
+    plain = mounted(logs.read("imu.csv").table, (0.0, 0.0, np.radians(20)))
+    np.testing.assert_allclose(turned[list(ACCEL)], plain[list(ACCEL)], atol=1e-6)
+    assert ("z up (FLU)" in " ".join(found.recognised)) == (config == "left.yaml")

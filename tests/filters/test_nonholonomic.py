@@ -7,7 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 from tests.drives import navigation_error
 
-from imugap.analysis.drive import SCHEMA, DriveSettings, RecordedDrive, navigate_drive
+from imugap.analysis.drive import RecordedDrive, navigate_drive
+from imugap.analysis.drive_settings import SCHEMA, DriveSettings
 from imugap.filters import nonholonomic
 from imugap.filters.consistency import nees_band
 from imugap.filters.error_state import ATTITUDE, NAVIGATION

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from imugap.analysis.drive import DriveSettings
+from imugap.analysis.drive_settings import DriveSettings
 from imugap.api.logs import open_model, simulate
 from imugap.effects import CATALOGUE, WhiteNoise
 from imugap.effects.effect import AxisModel

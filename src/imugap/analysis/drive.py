@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from imugap.analysis.drive_settings import EULER, DriveSettings
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import (
     CLOSED,
@@ -22,20 +23,14 @@ from imugap.filters.innovation_gate import (
     SEPARATED,
     SET_ASIDE,
     WEIGHED,
-    QualityControl,
 )
 from imugap.integrity.timestamps import filled
-from imugap.interchange.devices.catalogue import model_file
-from imugap.interchange.plugins import catalogue
-from imugap.interchange.start_models.catalogue import ModelFile
-from imugap.io import configuration
 from imugap.io.fixes import gps_time
 from imugap.io.fixes.course import fast_course_rate
 from imugap.io.gnss import COMPONENTS, PLACE_STD
 from imugap.io.recognition import frame
 from imugap.io.recording import Recording
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
-from imugap.model import ErrorModel
 from imugap.navigation.drive import (
     clock_rate,
     drive_error_search,
@@ -46,13 +41,11 @@ from imugap.navigation.drive import (
     vehicle_alignment,
 )
 from imugap.navigation.drive.correction import Correction
-from imugap.navigation.drive.drive_error_search import deviations
 from imugap.navigation.drive.drive_verdict import DriveVerdict
+from imugap.navigation.drive.outages import Outages, outages_of
 from imugap.navigation.drive.vehicle import (
     LEVER_ARM,
     TIME_OFFSET,
-    AlignmentSettings,
-    DriveAssumptions,
     DriveInputs,
     DriveSolution,
     InitialState,
@@ -61,7 +54,6 @@ from imugap.numerics.rotation import from_euler
 
 STD = "_std"
 """Suffix of the name of a standard deviation."""
-SCHEMA = Path(__file__).with_name("drive.schema.yaml")
 LONGEST_GAP_S = 0.5
 """Longest gap that is filled [s]."""
 FEWEST_FIXES = 2
@@ -74,80 +66,6 @@ FASTEST_TURN, MOST_TURNS = 3.0, 30.0
 """Mean rate over a second that no vehicle has in a drive [rad/s], and its ratio to the rate of the course."""
 OUTAGE_INTERVALS = 2.5
 """Shortest outage, in intervals of the fixes."""
-GYRO_CLASS = {"white_noise": {"density": 2e-4}, "gauss_markov": {"std": 5e-3, "correlation_time": 3600}}
-ACCEL_CLASS = {"white_noise": {"density": 2e-3}, "gauss_markov": {"std": 0.1, "correlation_time": 3600}}
-DEFAULT_MODEL = ErrorModel.from_mapping(
-    {axis: [GYRO_CLASS] for axis in GYRO} | {axis: [ACCEL_CLASS] for axis in ACCEL}
-)  # fmt: skip
-"""Error model of an unknown device in a car: that of a cheap device under vibration."""
-
-
-@dataclass(frozen=True)
-class DriveSettings:
-    """Configuration of a drive: error model, mounting (Euler angles [rad]), and settings of the filter.
-
-    ``clock_rate`` is the share by which the clock of the device goes slower than that of the fixes; ``recognised`` are
-    sentences on a model that is a file of another tool.
-    """
-
-    model: ErrorModel = DEFAULT_MODEL
-    mounting: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    assumptions: DriveAssumptions = field(default_factory=DriveAssumptions)
-    quality: QualityControl = field(default_factory=QualityControl)
-    alignment: AlignmentSettings = field(default_factory=AlignmentSettings)
-    clock_rate: float = 0.0
-    recognised: tuple[str, ...] = ()
-
-    @property
-    def states_receiver(self) -> bool:
-        """Whether the noise of the receiver is stated, and not that by default."""
-        plain = DriveAssumptions()
-        own = self.assumptions
-        stated, default = ((one.position_std, one.velocity_std, one.slow_position_std) for one in (own, plain))
-        return stated != default
-
-    @classmethod
-    def read(cls, path: str | Path | None, effects: str | None = None) -> "DriveSettings":
-        """Read a configuration (YAML, described by ``drive.schema.yaml``); None gives the defaults."""
-        values = configuration.configure({}, SCHEMA) if path is None else configuration.read(path, SCHEMA)
-        if values["model"] is None:
-            return cls.of(values, DEFAULT_MODEL)
-        model = model_file(values["model"], Path(path).parent)
-        found = ModelFile.open(model, catalogue(effects)).at(None)
-        return replace(cls.of(values, found.model.require_axes(model)), recognised=found.remarks)
-
-    @classmethod
-    def of(cls, values: dict, model: ErrorModel) -> "DriveSettings":
-        """Convert a complete configuration."""
-        arm, offset, scale = values["lever_arm"], values["time_offset"], values["scale_factor"]
-        fix, quality, start, wheels = (values[name] for name in ("receiver", "quality", "start", "wheels"))
-        assumptions = DriveAssumptions(
-            lever_m=(arm["x_m"], arm["y_m"], arm["z_m"]),
-            lever_std=arm["std_m"],
-            time_offset_s=offset["offset_s"],
-            time_offset_std=offset["std_s"],
-            scale_std=(scale["gyro_std"], scale["accel_std"]),
-            scale_s=np.inf if scale["correlation_s"] is None else scale["correlation_s"],
-            position_std=(fix["horizontal_m"], fix["horizontal_m"], fix["vertical_m"]),
-            slow_position_std=(fix["slow_horizontal_m"], fix["slow_horizontal_m"], fix["slow_vertical_m"]),
-            slow_position_s=fix["slow_s"],
-            velocity_std=(fix["horizontal_m_per_s"], fix["horizontal_m_per_s"], fix["vertical_m_per_s"]),
-            epoch_s=values["epoch_s"],
-            nonholonomic_std=wheels["std_m_per_s"],
-            nonholonomic_s=wheels["correlation_s"],
-            axle_m=(wheels["x_m"], wheels["y_m"], wheels["z_m"]),
-        )
-        control = QualityControl(
-            component=quality["component_sigma"],
-            separation_s=quality["separation_s"],
-            **{name: quality[name] for name in ("robust", "steepness", "false_alarm", "gated", "reset_s")},
-        )
-        course, heading, tilt = (np.radians(start[f"{name}_std_deg"]) for name in ("course", "heading", "tilt"))
-        alignment = AlignmentSettings(
-            speed=start["speed_m_per_s"], rest_s=start["rest_s"], course_std=course, heading_std=heading, tilt_std=tilt
-        )
-        mounting = tuple(np.radians([values["mounting"][f"{name}_deg"] for name in ("roll", "pitch", "heading")]))
-        return cls(model, mounting, assumptions, control, alignment, offset["rate_ppm"] * clock_rate.PPM)
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,31 +100,40 @@ class RecordedDrive:
 
 
 class PreparedDrive(NamedTuple):
-    """Inputs of the filter, what was corrected in them, and whether the noise of the receiver is stated."""
+    """Inputs of the filter, the mounting of the device [rad], what was corrected, and whether the receiver's noise is
+    stated.
+    """
 
     inputs: DriveInputs
+    mounting: tuple[float, float, float]
     corrections: tuple[Correction, ...]
     stated: bool
     as_given: bool
 
 
 class AlignedDrive(NamedTuple):
-    """Inputs of the filter, what was corrected in them, and the initial state."""
+    """Inputs of the filter, the mounting of the device [rad], what was corrected, and the initial state."""
 
     inputs: DriveInputs
+    mounting: tuple[float, float, float]
     corrections: tuple[Correction, ...]
     start: InitialState
 
 
 @dataclass(frozen=True, eq=False)
 class NavigatedDrive:
-    """Solutions of the filter and of the smoother for a drive, its fixes, the verdict, and the settings in use."""
+    """Solutions of the filter and of the smoother for a drive, its fixes, the verdict, and the settings in use.
+
+    ``outages`` are windows whose fixes were withheld.
+    """
 
     filtered: DriveSolution
     smoothed: DriveSolution
     fixes: pd.DataFrame
     verdict: DriveVerdict
     inputs: DriveInputs
+    outages: Outages
+    settings: DriveSettings
 
     def summary(self) -> dict:
         """Return the verdict, the extent of the drive, the events of the quality control, and the mean NIS.
@@ -248,7 +175,7 @@ class NavigatedDrive:
         verdict, used = self.verdict, self.inputs.assumptions
         last, std = self.filtered.sensors.iloc[-1], self.filtered.sensors_std.iloc[-1]
         offset, arm = last.get(TIME_OFFSET, 0.0), [last.get(name, 0.0) for name in LEVER_ARM]
-        noise = np.median(deviations(self.inputs), axis=0)
+        noise = np.median(self.inputs.measured.std, axis=0)
         return {
             "verdict": str(verdict),
             "agrees": verdict.agrees,
@@ -258,6 +185,7 @@ class NavigatedDrive:
             "outage_test": None if np.isnan(verdict.outage) else verdict.outage,
             "smoother_test": None if np.isnan(verdict.smoother) else verdict.smoother,
             "std_factor": verdict.factor,
+            "drift_over_outages": self.outages.drifts.to_dict("records"),
             "time_offset_s": {"value": float(used.time_offset_s + offset), "std": float(std.get(TIME_OFFSET, 0.0))},
             "lever_arm_m": {
                 axis: {"value": float(given + error), "std": float(std.get(name, 0.0))}
@@ -266,6 +194,8 @@ class NavigatedDrive:
             "receiver_std": dict(zip(COMPONENTS, map(float, noise), strict=True)),
             "receiver_slow_std": dict(zip(COMPONENTS[:3], map(float, used.slow_position_std), strict=True)),
             "receiver_slow_s": float(used.slow_position_s),
+            "velocity_delay_s": float(used.velocity_delay_s),
+            "settings": self.settings.mapping(),
         }
 
     def table(self, one: DriveSolution) -> pd.DataFrame:
@@ -326,15 +256,20 @@ def _apart(start: float, first: float, duration: float) -> str:
         ):
             if whole > gps_time.GPS_EPOCH_S and abs(left) <= duration:
                 return f", as of {name} (time_offset: {{offset_s: {offset:.10g}}})"
-    return f" (are they on one clock? time_offset: {{offset_s: {start - first:.10g}}} lets both begin together)"
+    return (
+        f" (are they on one clock? time_offset: {{offset_s: {start - first:.10g}}} lets both begin together; "
+        "--columns time=NAME takes other stamps of the log)"
+    )
 
 
 def screen(recorded: RecordedDrive) -> RecordedDrive:
     """Leave out fixes that no filter can use."""
     if recorded.as_given:
         return recorded
-    fixes, corrections = fix_screening.screen(recorded.fixes, recorded.settings.assumptions.position_std)
-    return replace(recorded, fixes=fixes, corrections=corrections)
+    settings, known = recorded.settings, recorded.settings.assumptions
+    fixes, delay, corrections = fix_screening.screen(recorded.fixes, known.position_std, known.velocity_delay_s)
+    settings = replace(settings, assumptions=replace(known, velocity_delay_s=delay))
+    return replace(recorded, fixes=fixes, settings=settings, corrections=corrections)
 
 
 def prepare(recorded: RecordedDrive) -> PreparedDrive:
@@ -347,7 +282,7 @@ def prepare(recorded: RecordedDrive) -> PreparedDrive:
     stated = PLACE_STD[0] in fixes or settings.states_receiver
     if settings.clock_rate:
         inputs = clock_rate.with_clock(inputs, settings.clock_rate)
-    return PreparedDrive(inputs, recorded.corrections, stated, recorded.as_given)
+    return PreparedDrive(inputs, settings.mounting, recorded.corrections, stated, recorded.as_given)
 
 
 def correct(prepared: PreparedDrive) -> PreparedDrive:
@@ -355,24 +290,28 @@ def correct(prepared: PreparedDrive) -> PreparedDrive:
     if prepared.as_given:
         return prepared
     inputs, gross = drive_physics.check_physics(prepared.inputs)
-    inputs, turned = drive_physics.with_mounting(inputs)
+    inputs, mounting, turned = drive_physics.with_mounting(inputs, prepared.mounting)
     inputs, fine = drive_error_search.correct(inputs, prepared.stated)
-    return prepared._replace(inputs=inputs, corrections=(*prepared.corrections, *gross, *turned, *fine))
+    corrections = (*prepared.corrections, *gross, *turned, *fine)
+    return prepared._replace(inputs=inputs, mounting=mounting, corrections=corrections)
 
 
 def align(prepared: PreparedDrive) -> AlignedDrive:
     """Align at the first fixes."""
-    return AlignedDrive(prepared.inputs, prepared.corrections, vehicle_alignment.align(prepared.inputs))
+    start = vehicle_alignment.align(prepared.inputs)
+    return AlignedDrive(prepared.inputs, prepared.mounting, prepared.corrections, start)
 
 
 def smooth(aligned: AlignedDrive) -> NavigatedDrive:
-    """Filter, smooth and judge."""
-    inputs, corrections, start = aligned
+    """Filter, smooth, withhold fixes in windows, and judge."""
+    inputs, mounting, corrections, start = aligned
     filtered, smoothed = (vehicle.navigate(inputs, start, smooth=one) for one in (False, True))
     if not filtered.record.freedom.sum():
         raise ValueError(f"drive: expected fixes after the alignment at {start.time:.10g} s; found none of use")
-    verdict = drive_verdict.judge(inputs, corrections, filtered, smoothed)
-    return NavigatedDrive(filtered, smoothed, inputs.fixes, verdict, inputs)
+    outages = outages_of(inputs)
+    verdict = drive_verdict.judge(inputs, corrections, filtered, smoothed, outages)
+    settings = DriveSettings.in_use(inputs, mounting)
+    return NavigatedDrive(filtered, smoothed, inputs.fixes, verdict, inputs, outages, settings)
 
 
 def mounted(log: pd.DataFrame, mounting: tuple[float, float, float]) -> pd.DataFrame:
@@ -384,10 +323,31 @@ def mounted(log: pd.DataFrame, mounting: tuple[float, float, float]) -> pd.DataF
         columns |= dict(zip(triad, turned.T, strict=True))
     turned = pd.DataFrame(columns, index=log.index)
     force = turned[list(ACCEL)].mean().to_numpy()
-    if not -force[2] > STEEPEST * np.linalg.norm(force):
+    if not points_up(force):
         shown = ", ".join(f"{value:.2f}" for value in force)
+        angles = ", ".join(f"{name}_deg: {one:.4g}" for name, one in zip(EULER, np.degrees(mounting), strict=True))
         raise ValueError(
             f"drive: expected a mean specific force that points up, accel_z near -9.8 m/s^2; found {shown} m/s^2 "
-            "(give the mounting of the device)"
-        )
+            + (f"with mounting: {{{angles}}}, which gravity contradicts" if any(mounting) else
+               "(give the mounting of the device)")
+        )  # fmt: skip
     return turned
+
+
+def points_up(force: np.ndarray) -> bool:
+    """Return whether a mean specific force in the axes of the vehicle, shape (3,), is that against gravity."""
+    return bool(-force[2] > STEEPEST * np.linalg.norm(force))
+
+
+def keeps_recognised_axes(recording: Recording, mounting: tuple[float, float, float]) -> bool:
+    """Return whether a mounting turns the axes that were recognised upright, and not those of the file.
+
+    A mounting by heading alone of a device with z up is one in the recognised axes, forward, right and down; one with a
+    roll of 180 deg is one in those of the file.
+    """
+    force = recording.table[list(ACCEL)].mean().to_numpy(copy=True)
+    own = frame.rotation_of(recording.frame).T @ force
+    turn = from_euler(np.array(mounting))
+    return (
+        recording.frame in (frame.CANONICAL, "FLU") and points_up(turn.apply(force)) and not points_up(turn.apply(own))
+    )

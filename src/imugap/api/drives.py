@@ -8,18 +8,25 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from imugap.analysis import track
-from imugap.analysis.drive import DriveSettings, NavigatedDrive, RecordedDrive, navigate_drive
-from imugap.api.logs import LogSource, read
+from imugap.analysis.drive import NavigatedDrive, RecordedDrive, keeps_recognised_axes, navigate_drive
+from imugap.analysis.drive_settings import DriveSettings
+from imugap.api.logs import DeviceLog, LogSource, read
 from imugap.api.result import Result, SourcePath, call
 from imugap.io.fixes import reading
 from imugap.io.fixes.reading import ReceiverLog
 from imugap.io.fixes.receiver_settings import ReceiverSettings
+from imugap.io.recognition.frame import AS_IS
+from imugap.model import ErrorModel
 from imugap.pages.provenance import InputFile, Provenance
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from imugap.pages.page import Page
+
+
+SETTINGS_FILE, MODEL_FILE = "settings.yaml", "model.yaml"
+"""Files of the settings in use and of their error model."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -50,6 +57,21 @@ class Driven(Result):
         return self.found.summary()
 
     @property
+    def outages(self) -> pd.DataFrame:
+        """Windows of 10, 30 and 60 s whose fixes were withheld: drift of the prediction, and what the filter states."""
+        return self.found.outages.windows
+
+    @property
+    def model(self) -> ErrorModel:
+        """Error model of the device in use, with noise that the drive has shown."""
+        return self.found.settings.model
+
+    @property
+    def settings(self) -> str:
+        """Configuration (YAML) by which the same follows from the same files; its model is that in ``model.yaml``."""
+        return self.found.settings.text(MODEL_FILE)
+
+    @property
     def agrees(self) -> bool:
         """Whether device and fixes agree as they were given."""
         return self.found.verdict.agrees
@@ -66,7 +88,7 @@ class Driven(Result):
         return drive.track(self.found.filtered, self.found.smoothed, self.found.fixes)
 
     def files(self, kind: str = "svg") -> Mapping[str, object]:
-        """Return solutions, events, summary, the path for maps, and figures."""
+        """Return solutions, events, drift over outages, settings and error model in use, summary, maps, and figures."""
         from imugap.figures import drive
 
         filtered, smoothed = self.found.filtered, self.found.smoothed
@@ -74,6 +96,9 @@ class Driven(Result):
             "solution.parquet": self.filtered,
             "smoothed.parquet": self.trajectory,
             "events.csv": filtered.events,
+            "outages.csv": self.found.outages.drifts,
+            SETTINGS_FILE: self.settings,
+            MODEL_FILE: self.model,
             "summary.json": self.summary,
             "path.geojson": track.geojson(smoothed),
             "path.kml": track.kml(smoothed),
@@ -120,9 +145,7 @@ def drive(
         Unit of latitude and longitude in a table, ``deg`` or ``rad``.
     """
     settings = DriveSettings.read(None if config is None else Path(config), effects)
-    found, turned = read(log), any(settings.mounting)
-    if turned:
-        found = found.in_own_axes()  # the mounting turns the device itself
+    found, turned = in_axes_of_mounting(read(log), settings), any(settings.mounting)
     receiver = _receiver(fixes, ReceiverSettings(fixes_topic, fixes_angles))
     known = turned or found.settings.frame is not None
     recorded = RecordedDrive.of(found.recording, receiver.fixes, settings, known, as_given)
@@ -135,6 +158,16 @@ def drive(
         files.append(InputFile.of("configuration", config, settings.recognised))
     made = call("drive", [found.source, str(receiver.source)], config=config, effects=effects, as_given=as_given)
     return Driven(found=navigated, provenance=Provenance(made, tuple(files)))
+
+
+def in_axes_of_mounting(found: DeviceLog, settings: DriveSettings) -> DeviceLog:
+    """Return a log in the axes that the mounting of a device turns: those of its file, or the recognised ones.
+
+    Gravity decides; where it contradicts the mounting in both, they are those of the file.
+    """
+    if not any(settings.mounting) or found.settings.frame is not None or found.recording.frame == AS_IS:
+        return found
+    return found if keeps_recognised_axes(found.recording, settings.mounting) else found.in_own_axes()
 
 
 def _receiver(fixes: ReceiverLog | pd.DataFrame | SourcePath, settings: ReceiverSettings) -> ReceiverLog:

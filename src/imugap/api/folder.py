@@ -29,7 +29,7 @@ WRITERS: Mapping[str, Callable[..., object]] = {
     ".kml": _write_text,
     ".md": _write_text,
     ".html": lambda render, path: _write_text(render(), path),
-    ".yaml": lambda model, path: model.write(path),
+    ".yaml": lambda one, path: _write_text(one, path) if isinstance(one, str) else one.write(path),
 }
 """Writer of each ending of the name of a file; that of a page renders it."""
 

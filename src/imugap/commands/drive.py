@@ -2,22 +2,21 @@
 
 import argparse
 import sys
-from dataclasses import replace
 
-from imugap.analysis.drive import DriveSettings
-from imugap.api.drives import drive
+from imugap.analysis.drive_settings import DriveSettings
+from imugap.api import logs
+from imugap.api.drives import MODEL_FILE, SETTINGS_FILE, drive, in_axes_of_mounting
 from imugap.commands.arguments import add_effects, add_examples
 from imugap.commands.outputs import FOLDER_HELP, add_format, add_json, json_text, require_folder
-from imugap.commands.reading import LOG_HELP, add_reading, read, say, settings_of
+from imugap.commands.reading import LOG_HELP, add_reading, say, settings_of
 from imugap.io.fixes import reading as fixes
 from imugap.io.fixes.receiver_settings import ReceiverSettings
-from imugap.io.recognition.frame import AS_IS
-from imugap.pages.drive import consistency, events, extent
+from imugap.pages.drive import consistency, drift_text, events, extent
 from imugap.pages.shown import summary_text
 
 FILES = (
-    "report.html", "solution.parquet", "smoothed.parquet", "events.csv", "summary.json", "inputs.json", "path.geojson",
-    "path.kml", "track.svg", "motion.svg", "sensors.svg", "quality.svg",
+    "report.html", "solution.parquet", "smoothed.parquet", "events.csv", "outages.csv", "settings.yaml", "model.yaml",
+    "summary.json", "inputs.json", "path.geojson", "path.kml", "track.svg", "motion.svg", "sensors.svg", "quality.svg",
 )  # fmt: skip
 """Files of the folder."""
 DISAGREES = 3
@@ -57,18 +56,20 @@ def run(options: argparse.Namespace) -> int:
     """Navigate the drive, write the folder ``--out``, print verdict and summary; return the exit code."""
     folder = require_folder(options.out, FILES, (options.log, options.fixes, options.config))
     settings, reading = DriveSettings.read(options.config, options.effects), settings_of(options)
-    if any(settings.mounting) and reading.frame is None:
-        reading = replace(reading, frame=AS_IS)  # the mounting turns the device itself
     say(options.config, settings.recognised)
-    log = read(options.log, reading)
+    log = in_axes_of_mounting(logs.read(options.log, reading), settings)
+    say(options.log, log.recognised)
     receiver = fixes.read(options.fixes, ReceiverSettings(options.fixes_topic, options.fixes_angles))
     say(options.fixes, receiver.recognised)
     found = drive(log, receiver, config=options.config, effects=options.effects, as_given=options.as_given)
     report = found.made_by(options.command_line).report(folder, options.format)
     summary = found.summary
     if options.json and not found.agrees:
-        print(f"imugap: {options.log}, {options.fixes}: {found.verdict}", file=sys.stderr)
+        print(f"imugap: {options.log}, {options.fixes}: {' '.join(found.verdict.splitlines())}", file=sys.stderr)
     happened = ", ".join(" ".join(row) for row in events(summary)) or "none"
-    rows = (*extent(summary), ("NIS", consistency(summary)), ("events at fixes", happened))
+    rows = (
+        *extent(summary), drift_text(summary), ("NIS", consistency(summary)), ("events at fixes", happened),
+        ("to paste", f"{report.parent / SETTINGS_FILE}, with {MODEL_FILE} beside it"),
+    )  # fmt: skip
     print(json_text(summary) if options.json else summary_text(found.verdict, rows, report))
     return DISAGREES if options.strict and not found.agrees else 0

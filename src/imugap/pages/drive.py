@@ -2,11 +2,14 @@
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from imugap.analysis.drive import COUNTED, NavigatedDrive
 from imugap.figures import drive
 from imugap.figures.style import CARD
 from imugap.log import AXES
-from imugap.pages.page import DataTable, Gallery, Page, Part, Picture, Points, Text
+from imugap.pages.model import parameter_table
+from imugap.pages.page import Block, DataTable, Gallery, Page, Part, Picture, Points, Snippet, Text
 from imugap.workflow.tables import number
 
 OVER_TIME = {
@@ -32,13 +35,22 @@ def page(found: NavigatedDrive) -> Page:
     counts = DataTable("Events.", ("event", "number"), events(summary))
     return Page(
         "Where did the vehicle go, and do device and receiver agree?",
-        (str(verdict), _extent(found, summary)),
+        (*str(verdict).splitlines(), _extent(found, summary)),
         verdict.agrees,
         (
-            Part("What to write into the configuration", (Text(CORRECTIONS), Points(corrected)) if corrected else ()),
+            Part(
+                "What to write into the configuration",
+                (
+                    *((Text(CORRECTIONS), Points(corrected)) if corrected else ()),
+                    Text(SETTINGS),
+                    Snippet(found.settings.text("model.yaml")),
+                ),
+            ),
             Part("Path", (Gallery((_track(found),)), Text(MAPS), DataTable("Extent.", ("", "value"), extent(summary)))),
+            Part("Drift without fixes", _drift(found)),
             Part("Over time", (_over_time(found),)),
             Part("Errors of the sensors", (Text(ERRORS), _sensors(found), _settings(summary), Text(GIVEN))),
+            Part("Noise in use", _noise(found, summary)),
             Part(
                 "Quality of the fixes",
                 (
@@ -70,6 +82,24 @@ def consistency(summary: Mapping) -> str:
 
 
 CORRECTIONS = "Each contradiction of device and fixes was corrected; with the setting beside it, it does not arise."
+SETTINGS = (
+    "All settings in use that are not the default, in full. The file settings.yaml beside this page has them: "
+    "--config settings.yaml gives the same result, with what was left out of the fixes left out again."
+)
+DRIFT = (
+    "Of each window the fixes were withheld; the filter predicts from its begin to its end, where the fix says how far "
+    "it drifted, across the ground. The ratio compares with what the filter states: it lies in its band for 95 % of "
+    "the filters that know their errors; above, the drift is larger than stated, below, smaller. The numbers hold the "
+    "noise of the fixes."
+)
+FEW = 20
+"""Number of windows from which on a 95th percentile is below the largest."""
+NO_ROOM = "The drive is too short for a window without fixes."
+NOISE = (
+    "What the filter assumed of the device. A factor that the drive has shown, as by vibration, is in these numbers. "
+    "The file model.yaml beside this page has them in SI for a filter of your own. Other tools (kalibr, ros, vins ...) "
+    "take them in conventions of their own:"
+)
 MAPS = (
     "path.geojson (WGS-84, heights above the ellipsoid) and path.kml (on the ground) beside this page open in maps and "
     "geographic information systems."
@@ -83,6 +113,60 @@ GIVEN = (
     "it contradicts the drive; in the configuration, lever_arm: {std_m: 2} and time_offset: {std_s: 0.3} have them "
     "estimated, which takes turns and changes of speed."
 )
+
+
+def drift_text(summary: Mapping) -> tuple[str, str]:
+    """Return title and words on the drift over outages: median and 95th percentile, and what is stated."""
+    rows = summary["drift_over_outages"]
+    parts = [
+        f"{one['median_m']:.3g} (95 %: {one['p95_m']:.3g}) in {one['length_s']:g} s, {_windows(one['windows'])}, "
+        f"{_against(one)}"
+        for one in rows
+    ]
+    return "drift without fixes [m]", "; ".join(parts) or "no room for a window"
+
+
+def _windows(count: int) -> str:
+    return f"{count} window{'s' if count > 1 else ''}"
+
+
+def _against(one: Mapping) -> str:
+    """Return how a drift compares with the stated one, in words."""
+    within = one["ratio_low"] <= one["ratio"] <= one["ratio_high"]
+    return "as stated" if within else f"{one['ratio']:.2g} times the stated"
+
+
+def _drift(found: NavigatedDrive) -> tuple[Block, ...]:
+    """Return the table of the drift over outages."""
+    rows = tuple(
+        (
+            f"{one.length_s:g} s", str(one.windows), f"{one.median_m:.3g}",
+            f"{one.p95_m:.3g}{'' if one.windows >= FEW else ' (largest)'}", f"{one.rms_m:.3g}",
+            f"{one.stated_rms_m:.3g}", f"{one.ratio:.2f}", f"{one.ratio_low:.2f} to {one.ratio_high:.2f}",
+        )
+        for one in found.outages.drifts.itertuples()
+    )  # fmt: skip
+    titles = ("without fixes", "windows", "median [m]", "95 % [m]", "RMS [m]", "stated RMS [m]", "ratio", "its band")
+    return (Text(DRIFT), DataTable("Horizontal drift.", titles, rows)) if rows else (Text(NO_ROOM),)
+
+
+def _noise(found: NavigatedDrive, summary: Mapping) -> tuple[Block, ...]:
+    """Return the noise of device and receiver in use."""
+    rate = 1 / float(np.median(np.diff(found.inputs.log.index)))
+    command = Snippet(f"imugap export model.yaml --to kf-gins --rate {rate:.4g} --out kf-gins.yaml")
+    return parameter_table(found.settings.model), Text(NOISE), command, _receiver(summary)
+
+
+def _receiver(summary: Mapping) -> DataTable:
+    """Return the noise of the receiver in use."""
+    slow, names = summary["receiver_slow_std"], {"north": "m", "east": "m", "down": "m"}
+    rows = [
+        (f"{name.replace('_', ' ')} [{names.get(name, 'm/s')}]", number(std), number(slow.get(name, 0.0)) or "–")
+        for name, std in summary["receiver_std"].items()
+    ]
+    over = f" over {summary['receiver_slow_s']:.3g} s" if any(slow.values()) else ""
+    titles = ("", "σ from fix to fix", f"σ of slow errors{over}")
+    return DataTable("Noise of the receiver, median over the fixes.", titles, tuple(rows))
 
 
 def _extent(found: NavigatedDrive, summary: dict) -> str:

@@ -4,11 +4,17 @@ from collections.abc import Callable, Collection, Mapping
 
 import yaml
 
+from imugap.discovery.search.intervals import axis_unit
+from imugap.effects.effect import AxisModel
 from imugap.interchange.conventions import Rule
 from imugap.interchange.export import Target, export
 from imugap.model import ErrorModel
-from imugap.pages.page import Block, Fold, Part, Points, Snippet, Text, Topic
+from imugap.pages.page import Block, DataTable, Fold, Part, Points, Snippet, Text, Topic
+from imugap.units import habit
+from imugap.workflow.tables import number, unit
 
+SYMBOLS = {"density": "N", "density_b": "B", "density_k": "K", "correlation_time": "T"}
+"""Symbols of data sheets and of IEEE 952 for parameters."""
 FILTERS = (Target.KALIBR, Target.ROS, Target.KF_GINS)
 SIMULATORS = (Target.GAZEBO,)
 
@@ -55,6 +61,23 @@ def filter_part(exported: Callable[[Target], str], shown: Collection[str] = ()) 
     for target in FILTERS:
         blocks += _exported(target, exported) if target not in shown else []
     return Part("What to write into the filter", tuple(blocks))
+
+
+def parameter_table(model: ErrorModel) -> DataTable:
+    """Return the parameters of a model in SI and in the units of data sheets, a row for axes that have the same."""
+    alike: dict[AxisModel, list[str]] = {}
+    for axis, own in model.axes.items():
+        alike.setdefault(own, []).append(axis)
+    rows = [
+        (
+            ", ".join(axes), effect.name.replace("_", " "),
+            f"{key.replace('_', ' ')}{f', {SYMBOLS[key]}' if key in SYMBOLS else ''}",
+            number(effect.parameters()[key]), unit(name), unit(habit(effect.parameters()[key], name)),
+        )
+        for own, axes in alike.items() for effect in own for key, name in effect.units(axis_unit(axes[0])).items()
+    ]  # fmt: skip
+    titles = ("axes", "effect", "parameter", "SI", "unit", "in data sheets")
+    return DataTable("Noise and biases of the device.", titles, tuple(rows))
 
 
 def text(model: ErrorModel) -> str:

@@ -354,3 +354,51 @@ def test_times_of_day_as_numbers_are_no_stamps_of_fixes(tmp_path):
         read(text(tmp_path / "fixes.csv", "time,fix,latitude,longitude,height", *rows))
     found = read(text(tmp_path / "beside.csv", "time,elapsed_s,latitude,longitude,height", *rows))
     np.testing.assert_allclose(found.fixes.index, np.arange(200))
+
+
+PHONE = {
+    "Sensor Logger": "time,speedAccuracy,verticalAccuracy,horizontalAccuracy,speed,bearing,altitude,longitude,latitude",
+    "SensorLog": "locationTimestamp_since1970(s),locationSpeedAccuracy(m/s),locationVerticalAccuracy(m),"
+    "locationHorizontalAccuracy(m),locationSpeed(m/s),locationCourse(°),locationAltitude(m),"
+    "locationLongitude(WGS84),locationLatitude(WGS84)",
+}
+
+
+def phone(path, header, speeds=1.0, held=1, unknown=()):
+    """Fixes of a phone to the north-east at 10 m/s, each ``held`` for so many rows."""
+    lines = [header]
+    for k in range(60):
+        way = 10 * k / np.sqrt(2) / 6.37e6
+        place = np.degrees([11.0 / 57.3 + way / np.cos(np.radians(48.0)), np.radians(48.0) + way])
+        speed, course = (-1, -1) if k in unknown else (10 * speeds, 45)
+        lines += [f"{1.7e9 + k},0.5,6,4.53,{speed},{course},500,{place[0]:.9f},{place[1]:.9f}"] * held
+    path.write_text("\n".join([*lines, ""]), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("header", PHONE.values(), ids=PHONE)
+@pytest.mark.parametrize(("speeds", "unit"), [(1.0, ""), (3.6, "km/h -> m/s"), (3600 / 1852, "kn -> m/s")])
+def test_speed_course_and_radii_of_a_phone_are_components(tmp_path, header, speeds, unit):
+    if unit and "m/s" in header:
+        pytest.skip("the header states the unit")
+    found = read(phone(tmp_path / "phone.csv", header, speeds, unknown=(30,)))
+    known = found.fixes.drop(index=1.7e9 + 30)
+    assert known["vel_n"].to_numpy() == pytest.approx(10 / np.sqrt(2), rel=1e-3)
+    assert known["vel_e"].to_numpy() == pytest.approx(10 / np.sqrt(2), rel=1e-3)
+    assert found.fixes["vel_d"].isna().all()
+    assert found.fixes.loc[1.7e9 + 30, ["vel_n", "vel_e"]].isna().all()
+    assert found.fixes["sd_n"].to_numpy() == pytest.approx(3.0, rel=1e-3)
+    assert found.fixes["sd_d"].to_numpy() == pytest.approx(6.0)
+    assert found.fixes["sd_vel_e"].to_numpy() == pytest.approx(0.5)
+    assert unit in " ".join(found.recognised)
+
+
+def test_a_speed_in_no_unit_of_the_places_is_left_out(tmp_path):
+    found = read(phone(tmp_path / "phone.csv", PHONE["Sensor Logger"], 1.5))
+    assert "vel_n" not in found.fixes
+    assert "in no unit" in " ".join(found.recognised)
+
+
+def test_rows_that_hold_a_fix_of_a_phone_are_one(tmp_path):
+    found = read(phone(tmp_path / "phone.csv", PHONE["SensorLog"], held=5))
+    assert len(found.fixes) == 60

@@ -10,7 +10,8 @@ from scipy.signal import lfilter
 from tests.navigation.drive.test_vehicle_alignment import LEVEL, LEVER
 
 from imugap import cli, log
-from imugap.analysis.drive import DriveSettings, RecordedDrive, check, navigate_drive
+from imugap.analysis.drive import RecordedDrive, check, navigate_drive
+from imugap.analysis.drive_settings import DriveSettings
 from imugap.commands.drive import DISAGREES
 from imugap.log import GYRO
 from imugap.numerics.rotation import from_euler
@@ -71,13 +72,18 @@ def test_fixes_that_are_off_to_the_end_are_named(level):
     found = verdict(level, fixes).verdict
     assert not found.agrees
     assert found.offset_since == pytest.approx(fixes.index[-1] - 12, abs=3)
-    assert f"From {found.offset_since:.10g} s to the end the path lies beside the fixes" in str(found)
+    answer, *_, lasting = str(found).splitlines()
+    assert f"agree only until {found.offset_since:.10g} s" in answer
+    assert lasting.startswith(f"From {found.offset_since:.10g} s to the end the path lies beside the fixes")
 
 
 @pytest.mark.parametrize("seconds", [18.0, -7.3, 0.2])
 def test_a_time_offset_is_named_and_corrected(level, seconds):
     found = verdict(level, later(level.fixes(1, SEED), seconds))
     assert found.verdict.corrections[0].error == "time offset"
+    answer, mend = str(found.verdict).splitlines()
+    assert answer == "Device and fixes do not fit as given: time offset. Corrected, they agree."
+    assert re.search(r"\(time_offset: \{offset_s: -?\d", mend)
     assert not found.verdict.reasons
     assert found.summary()["time_offset_s"]["value"] == pytest.approx(-seconds, abs=0.02)
     assert ("as of GPS time" in str(found.verdict)) == (seconds == 18)
@@ -199,7 +205,8 @@ def test_a_device_that_turns_in_its_mounting_is_not_explained_by_noise(level):
         record.loc[half, list(triad)] = turned
     found = verdict(level, record=record).verdict
     assert found.reasons
-    assert "which its samples do not show" in str(found)
+    assert str(found).startswith("Device and fixes do not agree")
+    assert "which its samples do not show" in str(found).splitlines()[0]
 
 
 @pytest.mark.slow

@@ -29,7 +29,7 @@ def test_sound_fixes_pass_with_outages_and_outliers(fixes):
     spoilt = fixes[(fixes.index < 150) | (fixes.index > 190)].copy()
     spoilt.iloc[60, 0] += 80 / 6.4e6
     for one in (fixes, spoilt, fixes.drop(columns=[name for name in fixes if "vel" in name])):
-        found, corrections = screen(one, STD)
+        found, _, corrections = screen(one, STD)
         assert found is one or found.equals(one)
         assert not corrections
 
@@ -39,7 +39,7 @@ def test_first_fixes_from_elsewhere_are_left_out(fixes, shift):
     wrong = fixes.copy()
     wrong.iloc[:8, 0] += shift[0]
     wrong.iloc[:8, 1] += shift[1]
-    found, (correction,) = screen(wrong, STD)
+    found, _, (correction,) = screen(wrong, STD)
     assert found.equals(wrong.iloc[8:])
     assert correction.error == "fixes from elsewhere"
 
@@ -48,7 +48,7 @@ def test_first_fixes_from_elsewhere_are_left_out(fixes, shift):
 def test_fixes_at_zero_are_left_out(fixes, rows):
     wrong = fixes.copy()
     wrong.iloc[rows, :3] = 0
-    found, (correction,) = screen(wrong, STD)
+    found, _, (correction,) = screen(wrong, STD)
     assert len(found) == len(fixes) - (rows.stop - rows.start)
     assert correction.error == "fixes before lock"
 
@@ -59,7 +59,7 @@ def test_held_fixes_are_kept_once(sound, times):
     held = own.loc[own.index.repeat(times)]
     held.index = held.index + np.tile(np.arange(times), len(own)) / times
     held.index.name = sound.index.name
-    found, (correction,) = screen(held, STD)
+    found, _, (correction,) = screen(held, STD)
     assert correction.error == "held fixes"
     assert np.isin(own.index, found.index).mean() > 0.99
     assert len(found) < 1.01 * len(own)
@@ -70,7 +70,7 @@ def test_a_receiver_that_stands_may_repeat_itself(sound):
     columns = [*gnss.PLACE, *SPEEDS]
     still.loc[:14.0, columns] = still[columns].iloc[0].to_numpy()
     still.loc[:14.0, SPEEDS] = 0.0
-    assert not screen(still, STD)[1]
+    assert not screen(still, STD).corrections
 
 
 def turned(fixes, **columns):
@@ -102,27 +102,32 @@ def test_a_wrong_unit_or_order_is_named(sound, message, spoil):
 def test_velocities_that_contradict_positions_are_left_out(sound):
     rng = stream(SEED, "contradiction")
     wrong = sound.assign(**{name: rng.normal(0, 10, len(sound)) for name in SPEEDS})
-    found, (correction,) = screen(wrong, STD)
+    found, _, (correction,) = screen(wrong, STD)
     assert correction.error == "velocities that contradict positions"
     assert not set(SPEEDS) & set(found.columns)
 
 
 def test_velocities_of_no_known_unit_get_no_name(sound):
     """1.5 times the displacements: nearer to none of the units than a receiver errs."""
-    _, (correction,) = screen(sound.assign(**{name: 1.5 * sound[name] for name in SPEEDS}), STD)
+    *_, (correction,) = screen(sound.assign(**{name: 1.5 * sound[name] for name in SPEEDS}), STD)
     assert correction.error == "velocities that contradict positions"
 
 
-def test_velocities_that_are_late_against_the_positions_are_moved(sound):
-    late = sound.assign(**{name: np.interp(sound.index - 0.6, sound.index, sound[name]) for name in SPEEDS})
-    found, (correction,) = screen(late, STD)
+@pytest.mark.parametrize("delay", [0.6, -0.4])
+def test_the_delay_of_velocities_against_the_positions_is_told(sound, delay):
+    late = sound.assign(**{name: np.interp(sound.index - delay, sound.index, sound[name]) for name in SPEEDS})
+    found, told, (correction,) = screen(late, STD)
     assert correction.error == "delay of velocities"
-    errors = np.abs(found[SPEEDS] - sound[SPEEDS]).mean() / np.abs(late[SPEEDS] - sound[SPEEDS]).mean()
-    assert (errors[:2] < 0.6).all()
+    assert f"velocity_delay_s: {told:.3f}" in correction.setting
+    assert told == pytest.approx(delay, abs=0.1)
+    assert found.equals(late)
+    again = screen(late, STD, told)
+    assert again.delay_s == told
+    assert not again.corrections
 
 
 def test_a_vertical_velocity_that_is_not_measured_is_left_out(sound):
-    found, (correction,) = screen(sound.assign(vel_d=0.0), STD)
+    found, _, (correction,) = screen(sound.assign(vel_d=0.0), STD)
     assert correction.error == "vertical velocity"
     assert found["vel_d"].isna().all()
     assert found[SPEEDS[:2]].equals(sound[SPEEDS[:2]])
@@ -145,7 +150,7 @@ def test_held_fixes_are_known_by_their_place_not_by_their_digits(sound):
     held = own.loc[own.index.repeat(5)]
     held.index = held.index + np.tile(np.arange(5), len(own)) / 5
     held.index.name = sound.index.name
-    found, (correction,) = screen(held.assign(latitude=held["latitude"] + 1e-11 * np.arange(len(held))), STD)
+    found, _, (correction,) = screen(held.assign(latitude=held["latitude"] + 1e-11 * np.arange(len(held))), STD)
     assert correction.error == "held fixes"
     assert len(found) < 2 * len(own)
 
@@ -156,6 +161,6 @@ def test_interpolated_fixes_are_left_out(sound, times):
     step = 1.0 / times
     stamps = np.round(np.arange(own.index[0], own.index[-1] + step / 2, step), 9)
     columns = {name: np.interp(stamps, own.index, own[name]) for name in own}
-    found, (correction,) = screen(pd.DataFrame(columns, index=pd.Index(stamps, name=sound.index.name)), STD)
+    found, _, (correction,) = screen(pd.DataFrame(columns, index=pd.Index(stamps, name=sound.index.name)), STD)
     assert correction.error == "interpolated fixes"
     assert len(found) < 1.2 * len(own)

@@ -299,7 +299,7 @@ def test_the_start_is_as_right_as_it_says(lap, assumptions, rest, constants):
 
 def test_a_drive_without_a_course_does_not_start(lap, assumptions):
     given = lap.record(1, SEED).loc[:10.0], lap.fixes(1, SEED).loc[:10.0]
-    with pytest.raises(ValueError, match=r"start: expected a fix that tells the course within 0\.1 rad; found none"):
+    with pytest.raises(ValueError, match=r"start: expected a fix that tells the course within 5\.7 deg; found none"):
         align(DriveInputs(*given, lap.model, lap.ellipsoid, assumptions))
 
 

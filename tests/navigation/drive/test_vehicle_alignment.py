@@ -1,5 +1,6 @@
 """The start of a drive: lever arm and time offset that a filter estimates from it are as exact as it says."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -91,3 +92,15 @@ def test_a_rest_ends_where_the_samples_do_though_noisy_fixes_show_it_late(level,
     for axis, rate in enumerate(rates):
         bias = start.errors[: len(states)][(states.axis == axis) & ~states.scale].sum()
         assert abs(bias + states.fixed[axis] - rate) < 2e-4
+
+
+def test_a_course_that_is_too_uncertain_names_the_setting_that_takes_it(level, assumptions):
+    noisy = level.fixes(0, SEED).assign(sd_vel_n=3.0, sd_vel_e=3.0)
+    inputs = DriveInputs(level.record(0, SEED), noisy, level.model, level.ellipsoid, assumptions, NO_CONTROL)
+    with pytest.raises(ValueError, match=r"start: \{course_std_deg: \d+\} takes the best one") as refused:
+        align(inputs)
+    degrees = float(re.search(r"course_std_deg: (\d+)", str(refused.value))[1])
+    taken = replace(inputs, alignment=replace(inputs.alignment, course_std=np.radians(degrees)))
+    assert align(taken).time > level.legs[0].duration_s
+    with pytest.raises(ValueError, match="a vehicle at rest shows none"):
+        align(replace(inputs, fixes=level.fixes(0, SEED).loc[:14]))

@@ -43,7 +43,8 @@ HIGHEST_M = 1e4
 
 def scale(column: str, name: str) -> tuple[float, str | None]:
     """Return the factor to degrees, metres or metres per second that the name of a column states, and its unit."""
-    angle, length = column in ("latitude", "longitude"), column in ("height", "sd_n", "sd_e", "sd_d")
+    angle = column in ("latitude", "longitude", "course")
+    length = column in ("height", "sd_n", "sd_e", "sd_d", "radius", "sd_height")
     known = ANGLES if angle else LENGTHS if length else SPEEDS
     for found in BRACKETS.findall(name):
         unit = KNOWN.get(found.strip().lower().replace(" ", ""))

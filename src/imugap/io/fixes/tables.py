@@ -11,6 +11,7 @@ from imugap.io import gnss
 from imugap.io.fixes import fix_units
 from imugap.io.fixes.decoded import Decoded
 from imugap.io.fixes.receiver_settings import ReceiverSettings
+from imugap.io.fixes.speed_course import COURSE, HEIGHT_STD, RADIUS, SPEED, SPEED_STD, with_components
 from imugap.io.formats import catalogue
 from imugap.io.formats.source import Source
 from imugap.io.recognition import column_names, stamps
@@ -27,7 +28,11 @@ SPELLINGS = {
     "vel_d": "veld vd vdown downvelocity velocitydown", "vel_u": "velu vu vup upvelocity velocityup",
     "sd_n": "sdn stdn sn", "sd_e": "sde stde se", "sd_d": "sdd stdd sdu stdu su sd",
     "sd_vel_n": "sdveln sdvn", "sd_vel_e": "sdvele sdve", "sd_vel_d": "sdveld sdvd sdvu",
+    SPEED: "speed groundspeed speedoverground sog", COURSE: "course bearing courseoverground cog",
+    RADIUS: "horizontalaccuracy accuracy hacc", HEIGHT_STD: "verticalaccuracy vacc", SPEED_STD: "speedaccuracy sacc",
 }  # fmt: skip
+PREFIXES = ("location", "gps", "gnss")
+"""What may stand before a name of a column of the receiver, in a table with those of other sensors."""
 HEMISPHERES = {"latitude": ("N", "S"), "longitude": ("E", "W")}
 """Letters of a column of their own that says the sign of the places: the second one is below zero."""
 ROWS = 2000
@@ -61,7 +66,7 @@ def decode(path: Path, settings: ReceiverSettings) -> Decoded:
         raise LogError(path, source.heading, expected, _nearest(names, known))
     block, raw = source.load([names.index(name) for name in known], names.index(time))
     count = len(raw)
-    block, raw, rows = _of_receiver(block, raw)
+    block, raw, rows = _of_receiver(block, raw, _prefix(time) != "")
     if stamps.are_clock_numbers(raw):
         raise LogError(path, f"column {time}", "seconds, or times of day as HH:MM:SS", "numbers HHMMSS")
     stated = column_names.stated_unit(time)
@@ -73,6 +78,8 @@ def decode(path: Path, settings: ReceiverSettings) -> Decoded:
         notes = _convert(table, {column: name for name, column in known.items()}, angles)
     except ValueError as error:
         raise LogError.at(path, source.heading, error) from error
+    table, said = with_components(table, fix_units.scale(SPEED, _name_of(known, SPEED))[1])
+    notes += said
     if "vel_u" in table:
         table["vel_d"] = -table.pop("vel_u")
     if unit != "s":
@@ -88,9 +95,13 @@ def decode(path: Path, settings: ReceiverSettings) -> Decoded:
     return Decoded(table, tuple(notes), lambda row: source.place(int(rows[row])))
 
 
-def _of_receiver(block: np.ndarray, raw: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the columns, shape (columns, m), and stamps of the rows that hold anything of a fix, and their numbers."""
-    rows = np.flatnonzero(np.isfinite(block).any(axis=0))
+def _of_receiver(block: np.ndarray, raw: np.ndarray, own: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the columns, shape (columns, m), and stamps of the rows that hold anything of a fix, and their numbers.
+
+    Where the stamps are the ``own`` ones of the receiver, a row that repeats one holds no other fix.
+    """
+    there = np.isfinite(block).any(axis=0)
+    rows = np.flatnonzero(there & np.append(True, raw[1:] != raw[:-1]) if own else there)
     return (block, raw, rows) if len(rows) == len(raw) else (block[:, rows], raw[rows], rows)
 
 
@@ -130,8 +141,8 @@ def _known(source: Source, names: tuple[str, ...]) -> dict[str, str]:
             found.setdefault(column, []).append(name)
     known = {}
     for column, rivals in found.items():
-        rivals = sorted(rivals, key=lambda name: SPELLINGS[column].split().index(_plain(name)))
-        if len(rivals) > 1 and _plain(rivals[0]) == _plain(rivals[1]):
+        rivals = sorted(rivals, key=lambda name: SPELLINGS[column].split().index(_spelling(name)))
+        if len(rivals) > 1 and _spelling(rivals[0]) == _spelling(rivals[1]):
             expected = f"one column of {column} (--topic takes what stands before the dot)"
             raise LogError(source.path, source.heading, expected, ", ".join(rivals)[:120])
         known[rivals[0]] = column
@@ -139,7 +150,24 @@ def _known(source: Source, names: tuple[str, ...]) -> dict[str, str]:
 
 
 def _column(name: str) -> str | None:
-    return COLUMN.get(_plain(name))
+    return COLUMN.get(_spelling(name))
+
+
+def _name_of(known: dict[str, str], column: str) -> str:
+    """Return the name in the file of a column; nothing where it has none."""
+    return next((name for name, one in known.items() if one == column), "")
+
+
+def _prefix(name: str) -> str:
+    """Return which of :data:`PREFIXES` stands before a name; nothing where none does."""
+    plain = _plain(name)
+    return next((one for one in PREFIXES if plain.startswith(one) and plain != one), "")
+
+
+def _spelling(name: str) -> str:
+    """Return the letters of a name, without what stands before the names of one sensor."""
+    plain = _plain(name)
+    return plain if plain in COLUMN else plain.removeprefix(_prefix(name))
 
 
 def _plain(name: str) -> str:
@@ -149,8 +177,14 @@ def _plain(name: str) -> str:
 
 
 def _time(source: Source, names: tuple[str, ...], known: dict[str, str]) -> str | None:
-    """Return the name of the column of stamps: of ``time`` and the others that name a time, the first that is one."""
+    """Return the name of the column of stamps: that of the receiver, in a table with those of other sensors.
+
+    Else, of ``time`` and the others that name a time, the first that is one.
+    """
     others = column_names.assign([name for name in names if name not in (*known, TIME)]).times
+    own = next((name for name in others if _prefix(name) and _prefix(name) in map(_prefix, known)), None)
+    if own is not None:
+        return own
     candidates = (*[TIME] * (TIME in names), *others)
     return next((name for name in candidates[:-1] if _runs(source, names.index(name))), (None, *candidates)[-1])
 

@@ -23,8 +23,6 @@ from scipy.special import bdtrc, chdtri
 from imugap.effects import WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.filters.innovation_gate import QualityControl
-from imugap.io import gnss
-from imugap.io.gnss import PLACE_STD, VELOCITY_STD
 from imugap.log import AXES, TIME
 from imugap.model import ErrorModel
 from imugap.navigation.drive.clock_rate import clock_correction, with_drift
@@ -44,6 +42,8 @@ OFFSET_STD, OFFSET_LEAST = 0.3, 0.01
 """Standard deviation of a candidate time offset, and smallest that is named [s]."""
 OFFSET_STEPS = 0.08, 0.02, 0.005
 """Steps in which a time offset is followed to the largest likelihood [s]."""
+BOTH_TIMES, POSITION_TIMES, VELOCITY_TIMES = (1, 0), (1, 1), (0, 1)
+"""Moves of time offset and delay of the velocities: of all of a fix, of its position alone, of its velocity alone."""
 LEVER_STD, LEVER_LEAST, LEVER_SIGMA = 2.0, 0.05, 5.0
 """Standard deviation of a candidate lever arm, smallest change that is named [m], and its significance."""
 SCALE_STD, SCALE_LEAST = 0.03, 0.01
@@ -64,6 +64,8 @@ DEVICE_FACTORS, DEVICE_STEP = (3.0, 10.0, 30.0), 10**0.25
 """Factors on the white noise of a device that are tried, and half a step of them."""
 GROUPS = (0, 1), (2,), (3, 4), (5,)
 """Components of a fix that share a factor: position across and down, velocity across and down."""
+FACTOR_KEYS = "horizontal_factor", "vertical_factor", "horizontal_velocity_factor", "vertical_velocity_factor"
+"""Keys of a configuration for the factor of each of them."""
 CLOCK_PARTS, CLOCK_SIGMA = 4, 5.0
 """Parts of a drive of which each gets a time offset of its own, and significance of a clock rate that is named."""
 CHANCE = 1e-6
@@ -134,7 +136,7 @@ def correct(inputs: DriveInputs, stated: bool) -> tuple[DriveInputs, tuple[Corre
     stated
         Whether the noise of the receiver is stated; if not, it is estimated without a word.
     """
-    corrections, fixes, model = [], inputs.fixes, inputs.model
+    corrections, model, factors = [], inputs.model, inputs.assumptions.std_factors
     if not stated:
         inputs = with_estimated_noise(inputs)
     while len(corrections) < ROUNDS:
@@ -147,8 +149,10 @@ def correct(inputs: DriveInputs, stated: bool) -> tuple[DriveInputs, tuple[Corre
                 best, gained = (tried, found), gain
         if best is None:
             break
-        fixes = fixes.set_axis(best[0].fixes.index)
-        inputs = best[0] if stated else with_estimated_noise(replace(best[0], fixes=fixes))
+        inputs = best[0]
+        if not stated:
+            plain = replace(inputs.assumptions, std_factors=factors)
+            inputs = with_estimated_noise(replace(inputs, assumptions=plain))
         corrections.append(best[1])
         if best[1].error != DEVICE_NOISE:
             inputs, corrections = _with_noise_anew(inputs, corrections, model)
@@ -197,37 +201,67 @@ def _candidates(
 def _time_offset(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]]:
     """Estimate a time offset, twice, for the second estimate is nearer to where the equations are linear.
 
-    Other states take a part of a large one. So it is followed to the largest likelihood besides.
+    Other states take a part of a large one. So it is followed to the largest likelihood besides, and with it the delay
+    of the velocities, which are late by another time than the positions.
     """
     tried = replace(inputs, assumptions=replace(inputs.assumptions, time_offset_std=OFFSET_STD))
     for _ in range(2):
         one = solve(tried)
         moved = tried.assumptions.time_offset_s + float(one.sensors[TIME_OFFSET].iloc[-1])
         tried = replace(tried, assumptions=replace(tried.assumptions, time_offset_s=moved))
-    moved = float(np.round(_likeliest_offset(inputs, moved), 4))
-    tried = replace(tried, assumptions=replace(tried.assumptions, time_offset_s=moved, time_offset_std=OFFSET_STD))
-    change = moved - inputs.assumptions.time_offset_s
-    if abs(change) > OFFSET_LEAST:
-        found = f"the stamps of the fixes are {abs(change):.3f} s {'late' if change < 0 else 'early'}"
-        yield tried, Correction("time offset", found, f"time_offset: {{offset_s: {moved:.3f}}}")
+    known = inputs.assumptions
+    offset, delay = (round(one, 3) for one in _likeliest_times(inputs, (moved, known.velocity_delay_s)))
+    tried = with_times(inputs, offset, delay)
+    tried = replace(tried, assumptions=replace(tried.assumptions, time_offset_std=OFFSET_STD))
+    found, setting = [], f"time_offset: {{offset_s: {offset:.3f}, std_s: {OFFSET_STD}}}"
+    if abs(offset - known.time_offset_s) > OFFSET_LEAST:
+        found.append(f"the stamps of the fixes are {_late(known.time_offset_s - offset)}")
+    if abs(delay - known.velocity_delay_s) > OFFSET_LEAST:
+        found.append(f"their velocities are {_late(delay)} against the positions")
+        setting += f", receiver: {{velocity_delay_s: {delay:.3f}}}"
+    if found:
+        yield tried, Correction("time offset", ", and ".join(found), setting)
 
 
-def _likeliest_offset(inputs: DriveInputs, offset: float) -> float:
-    """Return the time offset [s] near a given one at which the innovations are most likely."""
+def _late(seconds: float) -> str:
+    """Return in words by how much stamps are late [s]."""
+    return f"{abs(seconds):.3f} s {'late' if seconds > 0 else 'early'}"
 
-    def likelihood(value: float) -> float:
-        return _likelihood(replace(inputs, assumptions=replace(inputs.assumptions, time_offset_s=value)))
 
-    best = likelihood(offset)
+def with_times(inputs: DriveInputs, offset: float, delay: float) -> DriveInputs:
+    """Return the inputs with a time offset of the fixes, and a delay of their velocities [s]."""
+    known = replace(inputs.assumptions, time_offset_s=float(offset), velocity_delay_s=float(delay))
+    return replace(inputs, assumptions=known)
+
+
+def _likeliest_times(inputs: DriveInputs, times: tuple[float, float]) -> tuple[float, float]:
+    """Return time offset and delay of the velocities [s] near given ones at which the innovations are most likely.
+
+    Both are moved together first; the delay by itself only as far as it gains what a correction has to.
+    """
+    best = _followed(inputs, times, (BOTH_TIMES,))
+    if not inputs.measured.with_velocity.any():
+        return best
+    apart = _followed(inputs, best, (BOTH_TIMES, POSITION_TIMES, VELOCITY_TIMES))
+    gain = np.subtract(*(_likelihood(with_times(inputs, *one)) for one in (apart, best)))
+    return apart if gain > GAIN else best
+
+
+def _followed(
+    inputs: DriveInputs, times: tuple[float, float], ways: tuple[tuple[int, int], ...]
+) -> tuple[float, float]:  # fmt: skip
+    """Return time offset and delay [s], moved from given ones along some ways while the likelihood increases."""
+    best, reached = np.array(times), _likelihood(with_times(inputs, *times))
     for step in OFFSET_STEPS:
-        sides = [step, -step]
-        while sides:
-            found = likelihood(offset + sides[0])
-            if found > best + NOISE_GAIN:
-                offset, best, sides = offset + sides[0], found, sides[:1]
-            else:
-                sides = sides[1:]
-    return offset
+        moves = [sign * step * np.array(way) for way in ways for sign in (1, -1)]
+        untried = list(moves)
+        while untried:
+            move = untried.pop(0)
+            found = _likelihood(with_times(inputs, *(best + move)))
+            if found > reached + NOISE_GAIN:
+                best, reached = best + move, found
+                untried = [move, *(one for one in moves if not np.allclose(one, move) and not np.allclose(one, -move))]
+    return float(best[0]), float(best[1])
 
 
 def _clock_rate(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]]:
@@ -296,16 +330,17 @@ def _receiver_noise(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correcti
     factors = noise_factors(inputs)
     if min(factors) < NOISE_LIMITS[0] or max(factors) > NOISE_LIMITS[1]:
         tried = with_noise(inputs, factors)
-        std = np.median(deviations(tried), axis=0)
         found = (
             f"the noise of the receiver is {factors[0]:.2g} and {factors[1]:.2g} times the stated one of positions, "
             f"{factors[2]:.2g} and {factors[3]:.2g} times that of velocities (horizontal, vertical)"
         )
-        setting = (
-            f"receiver: {{horizontal_m: {std[0]:.2g}, vertical_m: {std[2]:.2g}, horizontal_m_per_s: {std[3]:.2g}, "
-            f"vertical_m_per_s: {std[5]:.2g}}}"
-        )
-        yield tried, Correction("receiver noise", found, setting)
+        yield tried, Correction("receiver noise", found, f"receiver: {{{_factors_text(tried)}}}")
+
+
+def _factors_text(inputs: DriveInputs) -> str:
+    """Return the factors on the standard deviations of the fixes, by the keys of a configuration."""
+    pairs = zip(FACTOR_KEYS, inputs.assumptions.std_factors, strict=True)
+    return ", ".join(f"{name}: {factor:.2g}" for name, factor in pairs)
 
 
 def _slow_receiver(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]]:
@@ -315,14 +350,13 @@ def _slow_receiver(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correctio
     tried = _with_slow_errors(inputs)
     known = tried.assumptions
     across, _, down = known.slow_position_std
-    std = np.median(deviations(tried), axis=0)
     found = (
         f"the errors of the positions last for seconds: {across:.2g} m horizontally and {down:.2g} m vertically over "
         f"some {known.slow_position_s:.2g} s"
     )
     setting = (
-        f"receiver: {{horizontal_m: {std[0]:.2g}, vertical_m: {std[2]:.2g}, slow_horizontal_m: {across:.2g}, "
-        f"slow_vertical_m: {down:.2g}, slow_s: {known.slow_position_s:.2g}}}"
+        f"receiver: {{{_factors_text(tried)}, slow_horizontal_m: {across:.2g}, slow_vertical_m: {down:.2g}, "
+        f"slow_s: {known.slow_position_s:.2g}}}"
     )
     yield tried, Correction("slow errors", found, setting)
 
@@ -357,7 +391,7 @@ def _device_noise(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction
             ))
             for axis, own in inputs.model.axes.items()
         })  # fmt: skip
-        tried, setting = replace(inputs, model=model), "model: a file with more white noise"
+        tried, setting = replace(inputs, model=model), "model: model.yaml, the file with this noise"
         if shown > factor / DEVICE_STEP:
             found = f"the device has some {factor:g} times the white noise of its model, as under vibration"
             yield tried, Correction(DEVICE_NOISE, found, setting)
@@ -382,18 +416,11 @@ def _noise_ratio(inputs: DriveInputs) -> float:
     return float(np.max(density[list(AXES)].to_numpy() / np.sqrt(np.maximum(white, 1e-30))))
 
 
-def deviations(inputs: DriveInputs) -> np.ndarray:
-    """Return the standard deviations of the components of the fixes, shape (n, 6)."""
-    return gnss.deviations(inputs.fixes, inputs.assumptions.position_std, inputs.assumptions.velocity_std)
-
-
 def with_noise(inputs: DriveInputs, factors: tuple[float, ...]) -> DriveInputs:
     """Return the inputs with the standard deviations of the fixes multiplied, a factor for each of :data:`GROUPS`."""
-    std = deviations(inputs)
-    for group, factor in zip(GROUPS, factors, strict=True):
-        std[:, list(group)] *= factor
-    columns = dict(zip((*PLACE_STD, *VELOCITY_STD), std.T, strict=True))
-    return replace(inputs, fixes=inputs.fixes.assign(**columns))
+    known = inputs.assumptions
+    product_of = tuple(float(one * other) for one, other in zip(known.std_factors, factors, strict=True))
+    return replace(inputs, assumptions=replace(known, std_factors=product_of))
 
 
 def noise_factors(inputs: DriveInputs) -> tuple[float, ...]:
@@ -418,7 +445,7 @@ def with_receiver(inputs: DriveInputs, factors: tuple[float, ...]) -> DriveInput
 
 def _seen_groups(inputs: DriveInputs) -> list[int]:
     """Return the numbers of the :data:`GROUPS` that the fixes have."""
-    seen = np.isfinite(gnss.local(inputs.fixes, inputs.ellipsoid)).any(axis=0)
+    seen = np.isfinite(inputs.measured.seen).any(axis=0)
     return [k for k, group in enumerate(GROUPS) if seen[list(group)].any()]
 
 
@@ -496,4 +523,4 @@ def off_path(inputs: DriveInputs, one: DriveSolution) -> np.ndarray:
     navigation = one.history.navigation[one.fix_row]
     rows = np.searchsorted(inputs.fixes.index.to_numpy(), one.fix_time)
     antenna = navigation[:, :3] + Rotation.from_quat(navigation[:, 6:]).apply(np.array(inputs.assumptions.lever_m))
-    return gnss.local(inputs.fixes, inputs.ellipsoid)[rows, :3] - antenna
+    return inputs.measured.seen[rows, :3] - antenna

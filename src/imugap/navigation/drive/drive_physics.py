@@ -23,7 +23,7 @@ from imugap.navigation.drive.fix_screening import middle
 from imugap.navigation.drive.vehicle import DriveInputs
 from imugap.navigation.drive.vehicle_alignment import velocity_pair
 from imugap.navigation.drive.velocity_matching import AFTER_S, BEFORE_S, SPAN_S, MatchedAttitude, VelocityPair
-from imugap.numerics.rotation import from_euler
+from imugap.numerics.rotation import from_euler, to_euler
 from imugap.units import STANDARD_GRAVITY
 
 WINDOWS = 6
@@ -198,19 +198,27 @@ def _refuse_both(candidates: list[_Candidate], windows: DriveWindows, limit: flo
         _refuse({best: 0.0}, f", and stamps of the fixes that are {_late(offset)}")
 
 
-def with_mounting(inputs: DriveInputs) -> tuple[DriveInputs, tuple[Correction, ...]]:
-    """Return the inputs with the device turned to the course, if it points to one side of it, and that."""
+def with_mounting(
+    inputs: DriveInputs, mounting: tuple[float, float, float]
+) -> tuple[DriveInputs, tuple[float, float, float], tuple[Correction, ...]]:
+    """Return the inputs with the device turned to the course, if it points to one side of it, its mounting, and that.
+
+    ``mounting`` is the one by which the log was turned (roll, pitch, heading [rad]).
+    """
     angle = mounting_of(inputs)
     if angle is None:
-        return inputs, ()
+        return inputs, mounting, ()
     turn, columns = from_euler(np.array([0.0, 0.0, angle])), {}
     for triad in (GYRO, ACCEL):
         turned = turn.apply(inputs.log[list(triad)].to_numpy(copy=True))
         columns |= dict(zip(triad, turned.T, strict=True))
-    degrees = np.degrees(angle)
-    found = f"the device points {abs(degrees):.0f} deg to the {'right' if angle > 0 else 'left'} of the course"
-    setting = f"mounting: {{heading_deg: {degrees:.0f}}}, added to the given one"
-    return replace(inputs, log=inputs.log.assign(**columns)), (Correction("mounting", found, setting),)
+    roll, pitch, heading = map(float, to_euler(turn * from_euler(np.array(mounting))))
+    side = "right" if angle > 0 else "left"
+    found = f"the device points {np.degrees(abs(angle)):.0f} deg to the {side} of the course"
+    whole = zip(("roll", "pitch", "heading"), np.degrees([roll, pitch, heading]), strict=True)
+    setting = f"mounting: {{{', '.join(f'{name}_deg: {round(one)}' for name, one in whole)}}}"
+    named = Correction("mounting", found, setting)
+    return replace(inputs, log=inputs.log.assign(**columns)), (roll, pitch, heading), (named,)
 
 
 def mounting_of(inputs: DriveInputs) -> float | None:

@@ -5,7 +5,8 @@ Innovations
 Smoother
     Smoother less filter has the covariance of the filter less that of the smoother.
 Outage test
-    The fixes of some stretches are withheld; the prediction at their end errs by as much as it states.
+    The fixes of some windows are withheld; the prediction at their end errs by as much as it states
+    (:mod:`imugap.navigation.drive.outages`).
 Offsets
     An offset of the positions that the filter opened closes again. One that never does is a contradiction, even where
     the filter gives up the path for the fixes after some time: either side may be the wrong one.
@@ -16,23 +17,16 @@ Source: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to
 5.4.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import chdtri
 
 from imugap.filters.innovation_gate import CLOSED, OPENED, RESET, SEPARATED, QualityControl
-from imugap.io.gnss import PLACE_STD, VELOCITY_STD
 from imugap.navigation.drive.correction import Correction
-from imugap.navigation.drive.drive_error_search import FAILING, LARGEST_NIS, InnovationFit, deviations, off_path, solve
+from imugap.navigation.drive.drive_error_search import FAILING, LARGEST_NIS, InnovationFit, off_path
+from imugap.navigation.drive.outages import Outages
 from imugap.navigation.drive.vehicle import DriveInputs, DriveSolution
 
-OUTAGE_S, OUTAGES, SETTLING_S = 15.0, 4, 45.0
-"""Length of a withheld stretch, largest number of them, and time before the first and between them [s]."""
-WITHHELD_STD = 1e3
-"""Standard deviation given to a withheld fix [m], [m/s]: it has next to no weight, and its innovation is recorded."""
-FALSE_ALARM = 1e-6
-"""Probability that the outage test of a consistent filter fails."""
 LARGEST_SMOOTHER = 6.0
 """Mean square of smoother less filter over the expected one above which they disagree."""
 EXCEPTIONAL = 10 * QualityControl().false_alarm
@@ -116,19 +110,24 @@ class DriveVerdict:
         return float(np.sqrt(np.nanmax([1.0, self.fit.nis, self.smoother, self.outage])))
 
     def __str__(self) -> str:
-        """Return the verdict in words."""
-        parts = [str(one) for one in self.corrections if one.explains]
+        """Return the answer in a line, then what was corrected, and offsets that last, a line each."""
+        mended = [one for one in self.corrections if one.explains]
+        lines = (self._answer([one.error for one in mended]), *map(str, mended), *map(str, self.offsets))
+        return "\n".join(f"{one[0].upper()}{one[1:]}." for one in lines)
+
+    def _answer(self, named: list[str]) -> str:
+        """Return whether device and fixes fit in words, and the names of what was corrected."""
+        corrected = f", with {', '.join(named)} corrected" if named else ""
         if self.reasons:
             larger = f", and the stated deviations are multiplied by {self.factor:.2g}" if self.factor > 1 else ""
-            parts.append(f"device and fixes do not agree: {'; '.join(self.reasons)}; nothing that was tried corrects "
-                         f"it{larger}")  # fmt: skip
-        else:
-            apart = " otherwise" if self.offsets else ""
-            until = apart if self.offset_since is None else f" until {self.offset_since:.10g} s"
-            then = " then" if self.corrections else ""
-            parts.append(f"device and fixes agree{then}{until}{self._exceptions()}")
-        parts += [str(one) for one in self.offsets]
-        return ". ".join(one[0].upper() + one[1:] for one in parts) + "."
+            reasons = "; ".join(self.reasons)
+            return f"device and fixes do not agree{corrected}: {reasons}; nothing that was tried corrects it{larger}"
+        since = self.offset_since
+        whole = "do not agree throughout" if self.offsets else "agree"
+        found = f"{whole if since is None else f'agree only until {since:.10g} s'}{self._exceptions()}"
+        if named:
+            return f"device and fixes do not fit as given: {', '.join(named)}. Corrected, they {found}"
+        return f"device and fixes {found}"
 
     def _exceptions(self) -> str:
         """Return the share of fixes that do not fit, in words; nothing where it may be chance."""
@@ -137,14 +136,15 @@ class DriveVerdict:
 
 
 def judge(
-    inputs: DriveInputs, corrections: tuple[Correction, ...], filtered: DriveSolution, smoothed: DriveSolution
+    inputs: DriveInputs,
+    corrections: tuple[Correction, ...],
+    filtered: DriveSolution,
+    smoothed: DriveSolution,
+    outages: Outages,
 ) -> DriveVerdict:
     """Judge the solutions of a drive."""
-    outage, limit = outage_test(inputs)
-    smoother = smoother_test(filtered, smoothed)
-    return DriveVerdict(
-        corrections, InnovationFit.of(filtered), smoother, outage, limit, _lasting_offsets(inputs, filtered, smoothed)
-    )
+    smoother, lasting = smoother_test(filtered, smoothed), _lasting_offsets(inputs, filtered, smoothed)
+    return DriveVerdict(corrections, InnovationFit.of(filtered), smoother, *outages.test, lasting)
 
 
 def _lasting_offsets(
@@ -174,32 +174,3 @@ def smoother_test(filtered: DriveSolution, smoothed: DriveSolution) -> float:
     gain = filter_variance - smoothed.history.variances[rows, :2]
     known = gain > SMALLEST_SHARE * filter_variance
     return float(np.median(apart[known] / gain[known]) / 0.455) if known.sum() > 10 else float("nan")
-
-
-def outage_test(inputs: DriveInputs) -> tuple[float, float]:
-    """Return the mean normalised square of the prediction at the end of withheld stretches, and its limit."""
-    time = inputs.fixes.index.to_numpy(dtype=float)
-    begin = solve(inputs).time[0] - inputs.assumptions.time_offset_s + SETTLING_S
-    last = min(time[-1], inputs.log.index[-1] - inputs.assumptions.time_offset_s)
-    count = int(min((last - begin) // (SETTLING_S + OUTAGE_S), OUTAGES))
-    if count < 1:
-        return float("nan"), float("inf")
-    starts = begin + np.arange(count) * (last - begin) / count
-    withheld = np.zeros(len(time), bool)
-    for start in starts:
-        withheld |= (time > start) & (time <= start + OUTAGE_S)
-    std = deviations(inputs)
-    hidden = np.where(withheld[:, None], WITHHELD_STD, std)
-    columns = dict(zip((*PLACE_STD, *VELOCITY_STD), hidden.T, strict=True))
-    record = (one := solve(replace(inputs, fixes=inputs.fixes.assign(**columns)))).record
-    squares = []
-    for start in starts:
-        number = int(np.searchsorted(time, start + OUTAGE_S, "right")) - 1
-        row = np.searchsorted(one.fix_time, time[number])
-        if not (withheld[number] and time[number] > start + OUTAGE_S / 2) or row == len(one.fix_time):
-            continue
-        variance = record.variance[row, :2] - WITHHELD_STD**2 + std[number, :2] ** 2
-        squares.append(float(np.mean(record.innovation[row, :2] ** 2 / variance)))
-    if not squares:
-        return float("nan"), float("inf")
-    return float(np.mean(squares)), float(chdtri(2 * len(squares), FALSE_ALARM) / (2 * len(squares)))

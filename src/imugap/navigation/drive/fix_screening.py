@@ -4,8 +4,8 @@ Left out are fixes from which the rest of the drive is out of reach, at the star
 before it has a lock, fixes that repeat the place of the one before in motion, fixes that were interpolated between
 others, and a vertical velocity that never changes. Velocities are compared with the displacements: over spans of some
 seconds the displacement is the integral of the velocity. A unit, a sign or an order of columns that explains the
-difference is refused with its name; velocities that are late against the positions are moved; those that contradict
-them in another way are left out.
+difference is refused with its name; of velocities that are late against the positions the delay is told; those that
+contradict them in another way are left out.
 """
 
 from itertools import pairwise
@@ -68,12 +68,23 @@ class _Explanation(NamedTuple):
     found: str
 
 
-def screen(
-    fixes: pd.DataFrame, position_std: tuple[float, float, float]
-) -> tuple[pd.DataFrame, tuple[Correction, ...]]:
-    """Return the fixes that a filter can use, and what was left out; a ValueError for a unit or an order of columns.
+class ScreenedFixes(NamedTuple):
+    """Fixes that a filter can use, the delay of their velocities [s], and what was left out or corrected."""
 
-    ``position_std`` are standard deviations of a position where the log gives none [m].
+    fixes: pd.DataFrame
+    delay_s: float
+    corrections: tuple[Correction, ...]
+
+
+def screen(fixes: pd.DataFrame, position_std: tuple[float, float, float], delay_s: float = 0.0) -> ScreenedFixes:
+    """Return the fixes that a filter can use; a ValueError for a unit or an order of columns.
+
+    Parameters
+    ----------
+    position_std
+        Standard deviations of a position where the log gives none [m].
+    delay_s
+        Delay of the velocities against the positions, if it is known [s].
     """
     corrections = []
     for step in (
@@ -81,8 +92,12 @@ def screen(
     ):  # fmt: skip
         fixes, found = step(fixes)
         corrections += found
-    fixes, found = _with_fitting_velocities(fixes, position_std)
-    return fixes, (*corrections, *found)
+    fixes, late, found = _with_fitting_velocities(fixes, position_std)
+    if delay_s or not late:
+        return ScreenedFixes(fixes, delay_s, (*corrections, *found))
+    words = f"the velocities of the fixes are {abs(late):.2f} s {'late' if late > 0 else 'early'} against the positions"
+    delay = Correction("delay of velocities", words, f"receiver: {{velocity_delay_s: {late:.3f}}}")
+    return ScreenedFixes(fixes, late, (*corrections, *found, delay))
 
 
 def middle(fixes: pd.DataFrame) -> Ellipsoid:
@@ -210,17 +225,20 @@ def _without_constant_down(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Corr
 
 def _with_fitting_velocities(
     fixes: pd.DataFrame, position_std: tuple[float, float, float]
-) -> tuple[pd.DataFrame, list[Correction]]:
-    """Compare velocities with displacements: refuse a unit or an order of columns, leave out what contradicts."""
+) -> tuple[pd.DataFrame, float, list[Correction]]:
+    """Compare velocities with displacements: refuse a unit or an order of columns, leave out what contradicts.
+
+    The second value is the delay of the velocities against the positions, 0 where it is none of note [s].
+    """
     if VELOCITY[0] not in fixes:
-        return fixes, []
+        return fixes, 0.0, []
     ellipsoid = middle(fixes)
     place, integral, change = _spans(fixes, ellipsoid)
     std = float(np.median(gnss.deviations(fixes, position_std, (1.0,) * 3)[:, 0]))
     length = np.maximum(*(np.hypot(one[:, 0], one[:, 1]) for one in (place, integral)))
     moving = length > max(NOISE_MULTIPLE * std, 0.5 * np.sqrt(np.mean(length**2))) if len(length) else length > 0
     if moving.sum() < FEWEST_SPANS:
-        return fixes, []
+        return fixes, 0.0, []
     shift, way = place[moving, :2], integral[moving, :2]
 
     def unexplained(mat: np.ndarray) -> float:
@@ -234,23 +252,12 @@ def _with_fitting_velocities(
             raise ValueError(f"fixes: expected {best.expected}; found {best.found}")
         found = f"the velocities of the fixes explain only {max(1 - plain, 0):.0%} of the displacements"
         names = [name for name in (*VELOCITY, *VELOCITY_STD) if name in fixes]
-        return fixes.drop(columns=names), [
-            Correction("velocities that contradict positions", found, "velocities left out")
-        ]
+        left_out = Correction("velocities that contradict positions", found, "velocities left out")
+        return fixes.drop(columns=names), 0.0, [left_out]
     _check_down(place[moving, 2], integral[moving, 2])
     _check_down(*(one[:, 2] for one in _spans(fixes, ellipsoid, LONG_SPAN_S)[:2]))
-    return _with_timely_velocities(fixes, *_slope(change[:, :2], place[:, :2] - integral[:, :2]))
-
-
-def _with_timely_velocities(fixes: pd.DataFrame, late: float, error: float) -> tuple[pd.DataFrame, list[Correction]]:
-    """Move velocities to the time of the positions that are ``late`` by a time with a standard error [s]."""
-    if not abs(late) > max(LATE_S, LATE_SIGMA * error):
-        return fixes, []
-    time = fixes.index.to_numpy(dtype=float)
-    known = fixes[np.isfinite(fixes[list(VELOCITY[:2])]).all(axis=1)]
-    moved = {name: np.interp(time + late, known.index, known[name]) for name in VELOCITY}
-    found = f"the velocities of the fixes are {abs(late):.2f} s {'late' if late > 0 else 'early'} against the positions"
-    return fixes.assign(**moved), [Correction("delay of velocities", found, "velocities moved in time")]
+    late, error = _slope(change[:, :2], place[:, :2] - integral[:, :2])
+    return fixes, round(late, 3) if abs(late) > max(LATE_S, LATE_SIGMA * error) else 0.0, []
 
 
 def _slope(cause: np.ndarray, effect: np.ndarray) -> tuple[float, float]:

@@ -80,8 +80,11 @@ from imugap.io.gnss import COMPONENTS
 from imugap.kinematics.strapdown import GEODETIC, Ellipsoid, ellipsoid_step, increments
 from imugap.log import AXES, TIME, LogError, axes
 from imugap.model import ErrorModel
+from imugap.navigation.drive.due_fixes import DueFixes
 from imugap.numerics.rotation import add_scaled, cross, dot, kernel, mat_from_quat, rotate
 
+FACTOR_OF = [0, 0, 1, 2, 2, 3]
+"""Number of the factor on the standard deviation of each component of a fix."""
 LEVER_ARM = ("lever_x", "lever_y", "lever_z")
 """Error of the assumed lever arm, from the device to the antenna in ``b`` [m]."""
 TIME_OFFSET = "offset"
@@ -112,6 +115,8 @@ class DriveAssumptions:
         Time of the log minus stamp of the fix [s].
     time_offset_std
         Its standard deviation [s]; 0: not a state.
+    velocity_delay_s
+        Time of a position less that at which the velocity of the same fix is true [s].
     clock_rate
         By which share the intervals of the samples were made longer, for a clock slower than that of the fixes.
     scale_std
@@ -120,6 +125,9 @@ class DriveAssumptions:
         Correlation time of the scale factors [s].
     position_std, velocity_std
         Standard deviations of a fix, north, east, down [m] and [m/s], where the log gives none.
+    std_factors
+        Factors on the standard deviations of a fix, whoever gives them: of position across and down, of velocity across
+        and down.
     slow_position_std
         Standard deviations of slow errors of its position besides, north, east, down [m]; 0: not a state.
     slow_position_s
@@ -139,6 +147,7 @@ class DriveAssumptions:
     lever_std: float = 0.0
     time_offset_s: float = 0.0
     time_offset_std: float = 0.0
+    velocity_delay_s: float = 0.0
     clock_rate: float = 0.0
     scale_std: tuple[float, float] = (2e-3, 2e-3)
     scale_s: float = np.inf
@@ -146,6 +155,7 @@ class DriveAssumptions:
     slow_position_std: tuple[float, float, float] = (0.0, 0.0, 0.0)
     slow_position_s: float = 60.0
     velocity_std: tuple[float, float, float] = (0.1, 0.1, 0.2)
+    std_factors: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
     epoch_s: float = 0.05
     nonholonomic_std: float = 0.0
     nonholonomic_s: float = 2.0
@@ -221,6 +231,15 @@ class DriveInputs:
     assumptions: DriveAssumptions = field(default_factory=DriveAssumptions)
     quality: QualityControl = field(default_factory=QualityControl)
     alignment: AlignmentSettings = field(default_factory=AlignmentSettings)
+
+    @cached_property
+    def measured(self) -> DueFixes:
+        """Fixes on the clock of the log."""
+        known = self.assumptions
+        std = gnss.deviations(self.fixes, known.position_std, known.velocity_std)
+        std *= np.array(known.std_factors)[FACTOR_OF]
+        seen, time = gnss.local(self.fixes, self.ellipsoid), self.fixes.index.to_numpy(dtype=float)
+        return DueFixes(time + known.time_offset_s, seen, std).with_timely_positions(known.velocity_delay_s)
 
 
 @dataclass(frozen=True, eq=False)
@@ -668,13 +687,13 @@ def navigate(inputs: DriveInputs, start: InitialState, smooth: bool = False) -> 
     stamp = _checked_stamps(log, start)
     states = assumptions.states(inputs.model)
     control = replace(inputs.quality, gated=False) if smooth else inputs.quality
-    due = fixes.index.to_numpy(dtype=float) + assumptions.time_offset_s
+    due, seen, std = inputs.measured
     offered = np.flatnonzero((due > start.time + STAMP_TOLERANCE_S) & (due <= stamp[-1] + STAMP_TOLERANCE_S))
     measured = _Measurements(
         np.ascontiguousarray(log[list(AXES)].to_numpy(dtype=float)),
         stamp,
-        gnss.local(fixes, ellipsoid)[offered],
-        gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)[offered],
+        seen[offered],
+        std[offered],
     )
     epochs = Epochs.of(stamp, due[offered], start.time, assumptions.epoch_s)
     if assumptions.nonholonomic_std > 0:

@@ -22,7 +22,6 @@ from imugap.filters.alignment import biases_from_rest, level_sensitivity
 from imugap.filters.error_state import ATTITUDE, NAVIGATION, VELOCITY
 from imugap.filters.sensor_states import SensorStates
 from imugap.integrity.rest import departure
-from imugap.io import gnss
 from imugap.kinematics import earth
 from imugap.kinematics.strapdown import Ellipsoid, Local, NavigationState, level, navigate
 from imugap.log import ACCEL, AXES, GYRO
@@ -49,6 +48,8 @@ RETRY_S = 1.0
 """Time between two fixes that are tried as the start [s]."""
 LARGEST_MISFIT = 10.0
 """Misfit of the velocity matching above which it neither confirms nor replaces the course."""
+LARGEST_COURSE_STD = np.radians(45.0)
+"""Standard deviation of a course from which on it is none [rad]."""
 COURSE_SIGMA = 5.0
 """Heading less course, in standard deviations, above which the vehicle does not point along its course."""
 FAST_QUANTILE, SLOW_SHARE = 0.9, 0.15
@@ -63,11 +64,9 @@ SMALLEST_BIAS = 1e-4
 
 def align(inputs: DriveInputs) -> InitialState:
     """Return the initial state at the first fix with a known course; raise ValueError without one."""
-    log, fixes, assumptions, ellipsoid = inputs.log, inputs.fixes, inputs.assumptions, inputs.ellipsoid
+    log, assumptions, ellipsoid = inputs.log, inputs.assumptions, inputs.ellipsoid
     states, settings = assumptions.states(inputs.model), inputs.alignment
-    time = fixes.index.to_numpy(dtype=float) + assumptions.time_offset_s
-    seen = gnss.local(fixes, ellipsoid)
-    std = gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)
+    time, seen, std = inputs.measured
     stamp = log.index.to_numpy(dtype=float)
     near = np.minimum(np.searchsorted(stamp, time), len(log) - 1)
     gyro, lever = log[list(GYRO)].to_numpy()[near], np.array(assumptions.lever_m)
@@ -78,7 +77,7 @@ def align(inputs: DriveInputs) -> InitialState:
         if len(able):
             break
     else:
-        raise ValueError(_without_course(time, velocity, stamp, settings))
+        raise ValueError(_without_course(time, velocity, np.hypot(spread, swing), stamp, settings))
     number, matched = _start(velocity_pair(inputs), time, able, settings)
     heading = _heading(gyro[number], lever, velocity[number])
     heading_std = float(spread[number, :2].max() / np.hypot(*velocity[number, :2]))
@@ -126,11 +125,8 @@ def _heading(rate: np.ndarray, lever: np.ndarray, velocity: np.ndarray) -> float
 
 def velocity_pair(inputs: DriveInputs) -> VelocityPair:
     """Return the samples, and the velocities of the fixes on the clock of the device."""
-    log, fixes, assumptions = inputs.log, inputs.fixes, inputs.assumptions
-    states = assumptions.states(inputs.model)
-    time = fixes.index.to_numpy(dtype=float) + assumptions.time_offset_s
-    std = gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)
-    seen = gnss.local(fixes, inputs.ellipsoid)
+    log, states = inputs.log, inputs.assumptions.states(inputs.model)
+    time, seen, std = inputs.measured
     velocity, spread = velocities(time, seen, std)
     biases = states.variance[(states.axis < len(GYRO)) & ~states.scale]
     return VelocityPair(
@@ -176,11 +172,16 @@ def _with_course(
     time: np.ndarray, velocity: np.ndarray, spread: np.ndarray, stamp: np.ndarray, settings: AlignmentSettings
 ) -> np.ndarray:
     """Return the numbers of the fixes within the log with a known course."""
+    speed, course_std = _courses(velocity, spread)
+    able = (course_std < settings.course_std) & (speed > settings.speed) & np.isfinite(velocity).all(axis=1)
+    return np.flatnonzero(able & _inside(time, stamp))
+
+
+def _courses(velocity: np.ndarray, spread: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the horizontal speeds of the fixes [m/s], and the standard deviations of their courses [rad]."""
     speed = np.hypot(velocity[:, 0], velocity[:, 1])
     with np.errstate(invalid="ignore", divide="ignore"):
-        course_std = spread[:, :2].max(axis=1) / speed
-        able = (course_std < settings.course_std) & (speed > settings.speed) & np.isfinite(velocity).all(axis=1)
-    return np.flatnonzero(able & _inside(time, stamp))
+        return speed, spread[:, :2].max(axis=1) / speed
 
 
 def _inside(time: np.ndarray, stamp: np.ndarray) -> np.ndarray:
@@ -189,14 +190,22 @@ def _inside(time: np.ndarray, stamp: np.ndarray) -> np.ndarray:
 
 
 def _without_course(
-    time: np.ndarray, velocity: np.ndarray, stamp: np.ndarray, settings: AlignmentSettings
+    time: np.ndarray, velocity: np.ndarray, spread: np.ndarray, stamp: np.ndarray, settings: AlignmentSettings
 ) -> str:  # fmt: skip
-    """Return the message on a drive of which no fix has a known course."""
-    fastest = np.nanmax(np.hypot(velocity[:, 0], velocity[:, 1]), initial=0.0)
-    return (
-        f"start: expected a fix that tells the course within {settings.course_std:g} rad; found none among the "
-        f"{np.count_nonzero(_inside(time, stamp))} fixes within the log, the fastest with {fastest:.2g} m/s"
+    """Return the message on a drive of which no fix has a known course, with the setting that takes the best one."""
+    inside = _inside(time, stamp)
+    speed, course_std = (np.where(inside, one, np.nan) for one in _courses(velocity, spread))
+    fastest, best = np.nanmax(speed, initial=0.0), np.nanmin(course_std, initial=np.inf)
+    found = (
+        f"start: expected a fix that tells the course within {np.degrees(settings.course_std):.2g} deg; found none "
+        f"among the {np.count_nonzero(inside)} fixes within the log, the fastest with {fastest:.2g} m/s"
     )
+    if fastest <= settings.speed:
+        return f"{found}: a vehicle at rest shows none, unless it is slow (start: {{speed_m_per_s: {fastest / 2:.1g}}})"
+    if best > LARGEST_COURSE_STD:
+        return f"{found}, of which the noise of a fix leaves none (receiver: {{horizontal_m, horizontal_m_per_s}})"
+    degrees = np.ceil(np.degrees(best) + 0.5)
+    return f"{found}; start: {{course_std_deg: {degrees:.0f}}} takes the best one"
 
 
 def _start(
