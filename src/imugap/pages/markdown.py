@@ -4,8 +4,8 @@ import pandas as pd
 
 from imugap.discovery.inputs import FileDiscovery
 from imugap.discovery.posterior import percent
-from imugap.discovery.report import describe_range, verdict
 from imugap.discovery.start_comparison.wording import sentences
+from imugap.discovery.verdict import describe_range, verdict
 
 LEAST = 1e-300
 """Probability below which no number is given."""
