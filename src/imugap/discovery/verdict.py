@@ -10,6 +10,7 @@ from imugap.discovery.finding import Discrepancy, Finding, Unnamed
 from imugap.discovery.posterior import IN_WORDS, MIN_SHARE, ambiguity_set, percent
 from imugap.effects import title_of
 from imugap.integrity.regular import counted
+from imugap.units import with_unit
 
 MAX_LOCATIONS = 12
 """Largest number of groups of locations in one sentence."""
@@ -78,7 +79,7 @@ def distance_sentence(name: str, apart: Distances) -> str:
 
 
 def _sentence(finding: Finding) -> str:
-    values = (f"{name} {one.value:.4g} {one.unit}".removesuffix(" 1") for name, one in finding.parameters.items())
+    values = (with_unit(f"{name} {one.value:.4g}", one.unit) for name, one in finding.parameters.items())
     text = f"{', '.join(finding.axes)}: {finding.name} ({', '.join(values)})"
     return f"{text}; {certainty(finding)}."
 
@@ -115,7 +116,7 @@ def _described(axis: str, processes: Sequence[Finding]) -> str:
     parts = []
     for one in processes:
         values = (
-            f"{name} {of.value:.3g} ({of.low:.3g} to {of.high:.3g}) {of.unit}".removesuffix(" 1")
+            with_unit(f"{name} {of.value:.3g} ({of.low:.3g} to {of.high:.3g})", of.unit)
             for name, of in one.parameters.items()
         )
         parts.append(f"{one.name} ({', '.join(values)})")
@@ -148,4 +149,4 @@ def describe_location(place: Discrepancy) -> str:
 def describe_range(place: Discrepancy) -> str:
     """Return the range of a location in its view as text."""
     where = f"{place.low:.4g}" if place.low == place.high else f"{place.low:.4g} to {place.high:.4g}"
-    return f"{where} {place.unit}".removesuffix(" 1")
+    return with_unit(where, place.unit)

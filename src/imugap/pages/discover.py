@@ -33,6 +33,7 @@ from imugap.model import ErrorModel
 from imugap.pages.estimate import HORIZON
 from imugap.pages.model import filter_part, simulator_part, text
 from imugap.pages.page import Block, DataTable, Fold, Gallery, Page, Part, Picture, Points, Snippet, Text, Topic
+from imugap.units import with_unit
 from imugap.workflow.tables import number, unit, with_interval
 
 SHOWN = 6
@@ -194,7 +195,7 @@ def _against(rows: Sequence[StartParameter]) -> Iterable[Block]:
     yield Points(sentences(rows))
     titles = ("axis", "parameter", "start", "log", "interval", "unit", "verdict")
     cells = tuple(
-        (one.axis, one.name, _or_dash(one.start), *_of_log(one.log), "" if one.unit == "1" else unit(one.unit),
+        (one.axis, one.name, _or_dash(one.start), *_of_log(one.log), _unit(one.unit),
          f"{one.agreement}: {one.remark}" if one.remark else str(one.agreement))
         for one in rows if not (one.start is None and one.log is not None and _is_unused(one.log))
     )  # fmt: skip
@@ -225,8 +226,13 @@ def _parameter(name: str, one: Interval) -> tuple[str, ...]:
     return (
         name.replace("_", " "),
         *with_interval(one.value, one.low, one.high),
-        "" if one.unit == "1" else unit(one.unit),
+        _unit(one.unit),
     )
+
+
+def _unit(name: str) -> str:
+    """Return the unit as a cell shows it; an empty cell where there is none."""
+    return "" if name == "1" else unit(name)
 
 
 def _compared(start: ErrorModel, final: ErrorModel) -> DataTable:
@@ -300,7 +306,7 @@ def _ranges(places: Sequence[Discrepancy]) -> str:
     if len(spans) <= FEW:
         return "; ".join(spans)
     low, high = min(one.low for one in places), max(one.high for one in places)
-    return f"{len(spans)} places, {low:.4g} to {high:.4g} {places[0].unit}".removesuffix(" 1")
+    return with_unit(f"{len(spans)} places, {low:.4g} to {high:.4g}", places[0].unit)
 
 
 def _axes(names: str) -> str:
