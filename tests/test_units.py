@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from imugap.units import FACTORS, STANDARD_GRAVITY, factor, from_si, to_si
+from imugap.units import FACTORS, STANDARD_GRAVITY, factor, from_si, to_si, with_unit
 
 units = st.sampled_from(sorted(FACTORS))
 
@@ -60,3 +60,8 @@ def test_arrays_convert_element_by_element():
 def test_an_unknown_unit_meets_the_known(unit):
     with pytest.raises(ValueError, match=f"unit: expected one of 1, s, .*; found '{unit}'"):
         factor(unit)
+
+
+@given(units, st.floats(-1e12, 1e12).map(str))
+def test_a_number_without_dimension_stands_alone_and_every_other_has_its_unit(unit, number):
+    assert with_unit(number, unit).split() == ([number] if unit == "1" else [number, unit])

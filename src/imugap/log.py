@@ -19,6 +19,8 @@ from imugap.atomic import atomic, is_stream
 GYRO = ("gyro_x", "gyro_y", "gyro_z")
 ACCEL = ("accel_x", "accel_y", "accel_z")
 AXES = GYRO + ACCEL
+TRIADS = {"gyro": GYRO, "accel": ACCEL}
+"""Axes of each kind of sensor."""
 TEMPERATURE = "temperature"
 TIME = "time"
 """Name of the index, and of the pseudo-axis of clock errors in an error model."""

@@ -90,6 +90,11 @@ def factor(unit: str) -> float:
     return FACTORS[unit]
 
 
+def with_unit(number: str, unit: str) -> str:
+    """Return the text of a number with its unit; alone where it has none."""
+    return number if unit == "1" else f"{number} {unit}"
+
+
 def habit(value: float, unit: str) -> str:
     """Return a value of a SI unit in the unit of data sheets, or nothing where there is none."""
     if unit not in HABITS:

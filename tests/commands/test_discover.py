@@ -15,7 +15,7 @@ from imugap.api.discoveries import Discovered
 from imugap.commands.discover import FILES
 from imugap.discovery.device import Settings, discover
 from imugap.discovery.inputs import Files
-from imugap.discovery.report import verdict
+from imugap.discovery.verdict import verdict
 from imugap.effects import (
     Bias,
     BiasStep,
@@ -281,7 +281,7 @@ def test_what_the_log_cannot_tell_stays_as_the_start_model_has_it(here, capsys):
     ErrorModel(start | {"accel_z": AxisModel((WhiteNoise(1e-3),))}).write("sheet.yaml")
     assert discovered("run1.csv", "--model", "sheet.yaml") == 0
     assert (
-        "cannot tell scale_factor of gyro_y, temperature of gyro_y, turn_on_bias of gyro_y" in capsys.readouterr().out
+        "cannot tell scale factor of gyro_y, temperature of gyro_y, turn on bias of gyro_y" in capsys.readouterr().out
     )
     report = read_report("found")
     assert [(one["name"], one["axes"]) for one in report["effects"]] == [("sinusoid", ["gyro_y"])]

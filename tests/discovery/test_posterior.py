@@ -8,7 +8,7 @@ from scipy.stats import norm
 
 from imugap.discovery.finding import Finding
 from imugap.discovery.posterior import NONE, OTHER, UNKNOWN, ambiguity_set, percent, posterior
-from imugap.discovery.report import certainty
+from imugap.discovery.verdict import certainty
 from imugap.effects import RateRamp
 
 LOG_PS = st.floats(-1000.0, 0.0) | st.just(-np.inf)

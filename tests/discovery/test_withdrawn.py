@@ -8,7 +8,7 @@ import pytest
 
 from imugap import log
 from imugap.discovery.device import Settings, discover
-from imugap.discovery.report import verdict
+from imugap.discovery.verdict import verdict
 from imugap.effects.effect import SystematicEffect, parameter
 from imugap.stream import stream
 

@@ -13,9 +13,9 @@ from tests.interchange.simulators import Defect
 from imugap import log
 from imugap.discovery.device import Settings
 from imugap.discovery.inputs import DiscoveryInputs, discover_recordings
-from imugap.discovery.report import verdict
 from imugap.discovery.start_comparison.parameters import Comparison
 from imugap.discovery.start_comparison.wording import sentences
+from imugap.discovery.verdict import verdict
 from imugap.effects import CATALOGUE, Bias, GaussMarkov, RandomWalk, Resolution, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.interchange.conventions import Rule

@@ -4,24 +4,20 @@ import numpy as np
 import pandas as pd
 
 from imugap.figures import pedestrian
-from imugap.numerics.fitting import block_bootstrap as bootstrap
 from imugap.simulation.walk import Walk
 from imugap.stream import stream
 from imugap.study import verdicts
 from imugap.study.static import he2023
+from imugap.study.walk.end_consistency import SQUARES, in_ellipse, interval_columns, mean_row
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 
-SQUARES = {"nees": ("NEES, position", 2), "heading_nees": ("NEES, heading", 1)}
-"""Normalised squared errors of the end: title and degrees of freedom."""
 QUANTITIES = {"position": ("position error at the end", "m"), "heading": ("heading error at the end", "°")}
 ROWS = {"position": "end_position_error", "heading": "end_heading_error"}
 """Rows of the printed table."""
 PANELS = ("none", "stand", "bias_only", "method_a", "method_b", "restoration")
 SUBTRACTED, INSIDE = "subtracted ahead of the navigator", "inside the filter"
-ENDS = "", "_low", "_high"
-"""Endings of the names of a mean and of its interval."""
 ELLIPSE = 0.9
 """Probability of the ellipse whose share of ends is told."""
 
@@ -54,9 +50,8 @@ def over_devices(ends, seed):
         for quantity in QUANTITIES:
             errors = first[quantity]
             for what, values in ("mean", errors[name]), ("excess", errors[name] - errors["bias_only"]):
-                found = bootstrap.mean(values.to_numpy(), stream(seed, "walks", name, quantity, what), block=1)
-                row |= {f"{quantity}_{what}{end}": value for end, value in
-                        (("", found.value), ("_low", found.low), ("_high", found.high))}  # fmt: skip
+                rng = stream(seed, "walks", name, quantity, what)
+                row |= mean_row(f"{quantity}_{what}", values.to_numpy(), rng)
         rows.append(row)
     return pd.DataFrame(rows).set_index("contender")
 
@@ -73,8 +68,9 @@ def page(trials, devices, errors, gains):
             gain = f" ({tables.fixed(gains[quantity][name], 1)} %)" if name in gains[quantity] else ""
             known = name in errors[quantity]
             row[f"{quantity}, printed"] = f"{errors[quantity][name]:g}{gain}" if known else "—"
-            ends = (devices.loc[name, f"{quantity}_mean{end}"] for end in ENDS)
-            row[f"{quantity}, devices [{unit}]"] = tables.interval(*ends)
+            row[f"{quantity}, devices [{unit}]"] = tables.interval(
+                *devices.loc[name, interval_columns(f"{quantity}_mean")]
+            )
         yield row
 
 
@@ -84,9 +80,8 @@ def inside_of(ends, seed):
         row = {"contender": name}
         degrees = dict.fromkeys(QUANTITIES, 1) | {square: degree for square, (_, degree) in SQUARES.items()}
         for key, degree in degrees.items():
-            found = bootstrap.mean(one[key].to_numpy() / degree, stream(seed, "inside", name, key), block=1)
-            row |= {key: found.value, f"{key}_low": found.low, f"{key}_high": found.high}
-        yield row | {"inside": (one["nees"] < -2 * np.log(1 - ELLIPSE)).mean()}
+            row |= mean_row(key, one[key].to_numpy() / degree, stream(seed, "inside", name, key))
+        yield row | {"inside": in_ellipse(one["nees"], ELLIPSE).mean()}
 
 
 def inside_page(data):
@@ -94,9 +89,9 @@ def inside_page(data):
     for one in data.to_dict("records"):
         row = {"model in the filter": pedestrian.TITLES[one["contender"]]}
         for quantity, (_, unit) in QUANTITIES.items():
-            row[f"{quantity} [{unit}]"] = tables.interval(*(one[quantity + end] for end in ENDS))
+            row[f"{quantity} [{unit}]"] = tables.interval(*(one[key] for key in interval_columns(quantity)))
         for square, (title, _) in SQUARES.items():
-            row[title] = tables.interval(*(one[square + end] for end in ENDS))
+            row[title] = tables.interval(*(one[key] for key in interval_columns(square)))
         yield row | {f"ends in the {ELLIPSE:.0%} ellipse": f"{100 * one['inside']:.0f} %"}
 
 
@@ -105,10 +100,8 @@ def numbers(trials, devices, inside, walk, table3):
     difference = {
         quantity: {
             name: {
-                "value": tables.interval(*devices.loc[name, [f"{quantity}_excess{end}" for end in ENDS]]),
-                "verdict": verdicts.difference(
-                    tuple(devices.loc[name, [f"{quantity}_excess{end}" for end in ENDS[1:]]])
-                ),
+                "value": tables.interval(*devices.loc[name, interval_columns(f"{quantity}_excess")]),
+                "verdict": verdicts.difference(tuple(devices.loc[name, interval_columns(f"{quantity}_excess")[1:]])),
             }
             for name in devices.index
             if name != "bias_only"
@@ -122,11 +115,8 @@ def numbers(trials, devices, inside, walk, table3):
     }
     filtered = {
         name: {key: tables.number(held.loc[name, key], 2) for key in QUANTITIES}
-        | {key: tables.interval(*held.loc[name, [key + end for end in ENDS]]) for key in SQUARES}
-        | {
-            f"{key}_verdict": verdicts.consistency(tuple(held.loc[name, [key + end for end in ENDS[1:]]]))
-            for key in SQUARES
-        }
+        | {key: tables.interval(*held.loc[name, interval_columns(key)]) for key in SQUARES}
+        | {f"{key}_verdict": verdicts.consistency(tuple(held.loc[name, interval_columns(key)[1:]])) for key in SQUARES}
         for name in held.index
     }
     return {

@@ -6,7 +6,6 @@ import pandas as pd
 
 from imugap import log
 from imugap.interchange.conventions import CONVENTIONS, HOUR, Rule, combined, reduced
-from imugap.interchange.simulator_files import TRIADS
 from imugap.model import ErrorModel
 from imugap.units import from_si
 from imugap.workflow import tables
@@ -19,7 +18,8 @@ NAMES = {"bench": "virtual bench", "adis16405": "ADIS16405", "own": "own device"
 def values(device, model, rule):
     """Return every parameter of every tool for a device, in the unit of the tool."""
     of = {
-        kind: combined((reduced(axis, model[axis], rule) for axis in own), rule.triad) for kind, own in TRIADS.items()
+        kind: combined((reduced(axis, model[axis], rule) for axis in own), rule.triad)
+        for kind, own in log.TRIADS.items()
     }
     rows = []
     for convention in CONVENTIONS:

@@ -7,7 +7,7 @@ from shutil import copyfile
 import pandas as pd
 
 from imugap.discovery.finding import Discrepancy
-from imugap.discovery.report import describe_range
+from imugap.discovery.verdict import describe_range
 from imugap.effects import title_of
 from imugap.figures.static import TITLES
 from imugap.figures.style import AXIS_TITLES

@@ -110,7 +110,7 @@ def distances_page(reports):
 def numbers(reports, agreed, share, noise):
     """Return what the text says."""
     other = share[share["model"] != share["trial"]]
-    kinds = {"gyro": other["axis"].isin(log.GYRO), "accel": other["axis"].isin(log.ACCEL)}
+    kinds = {kind: other["axis"].isin(axes) for kind, axes in log.TRIADS.items()}
     apart = [report["distance"] for report in reports.values()]
     return {
         "trials": list(reports),

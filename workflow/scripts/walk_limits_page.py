@@ -7,9 +7,9 @@ import pandas as pd
 
 from imu_benchmark.scores import rate
 from imugap.figures import pedestrian, style
-from imugap.numerics.fitting import block_bootstrap as bootstrap
 from imugap.stream import stream
 from imugap.study import verdicts
+from imugap.study.walk.end_consistency import SQUARES, in_ellipse, interval_columns, mean_row
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
@@ -37,10 +37,6 @@ SETTINGS = {
 """What is chosen: its name, and its usual value."""
 LEFT_OUT = ["setting", "dataset", "chosen", "with_chosen", "usual", "with_usual", "best", "with_best"]
 """Columns of what others choose for a set: values, and the median end errors of the set with them [%]."""
-ENDS = "", "_low", "_high"
-"""Endings of the names of a mean and of its interval."""
-SQUARES = {"nees": ("NEES, position", 2), "heading_nees": ("NEES, heading", 1)}
-"""Normalised squared errors of the end: title and degrees of freedom."""
 LEVELS = (0.9, 0.99)
 IN_MOTION = ("scale_factor", "misalignment", "g_sensitivity", "time_offset")
 """Errors that a log at rest does not show."""
@@ -112,12 +108,11 @@ def consistency(ends, real, seed):
     for name, one in groups.items():
         row = {"foot": name, "walks": len(one)}
         for level in LEVELS:
-            row |= {f"{key}_{level:g}": value for key, value in rate(one["nees"] < -2 * np.log(1 - level)).items()}
+            row |= {f"{key}_{level:g}": value for key, value in rate(in_ellipse(one["nees"], level)).items()}
         for square, (_, degrees) in SQUARES.items():
             if square in one:
                 values = one[square].to_numpy() / degrees
-                found = bootstrap.mean(values, stream(seed, "walk consistency", name, square), block=1)
-                row |= {square: found.value, f"{square}_low": found.low, f"{square}_high": found.high}
+                row |= mean_row(square, values, stream(seed, "walk consistency", name, square))
         yield row
 
 
@@ -130,7 +125,9 @@ def consistency_page(data):
             middle, low, high = (tables.fixed(value, 1) for value in values)
             row[f"in the {level:.0%} ellipse [%]"] = f"{middle} [{low}, {high}]"
         for square, (title, _) in SQUARES.items():
-            row[title] = tables.interval(*(one[square + end] for end in ENDS)) if np.isfinite(one[square]) else "—"
+            row[title] = (
+                tables.interval(*(one[key] for key in interval_columns(square))) if np.isfinite(one[square]) else "—"
+            )
         yield row
 
 
@@ -159,7 +156,7 @@ def numbers(found, counted, varied, real):
     for row in counted.to_dict("records"):
         said["within"][row["foot"]] = {f"{level:.0%}": f"{100 * row[f'rate_{level:g}']:.0f}" for level in LEVELS} | {
             "covers": bool(all(row[f"low_{one:g}"] <= one <= row[f"high_{one:g}"] for one in LEVELS)),
-            "nees": tables.interval(*(row["nees" + end] for end in ENDS)),
+            "nees": tables.interval(*(row[key] for key in interval_columns("nees"))),
             "nees_verdict": verdicts.consistency((row["nees_low"], row["nees_high"])),
         }
     if varied is not None:

@@ -14,10 +14,11 @@ from imugap.discovery.evaluation.distance import Distances
 from imugap.discovery.finding import Discrepancy, Finding
 from imugap.discovery.inputs import DiscoveryInputs, FileDiscovery, Files, discover_files, discover_recordings
 from imugap.discovery.next_log import Advice
-from imugap.discovery.report import candidate_table, discrepancy_table, verdict
+from imugap.discovery.report import candidate_table, discrepancy_table
 from imugap.discovery.start_comparison.wording import sentences
 from imugap.discovery.start_comparison.wording import table as comparison_table
 from imugap.discovery.steps import Progress
+from imugap.discovery.verdict import verdict
 from imugap.interchange.plugins import catalogue
 from imugap.io.recognition.settings import RecordingSettings
 from imugap.model import ErrorModel

@@ -1,10 +1,8 @@
 """Results of discovery: locations where simulation and measurement disagree, and effects that explain them."""
 
-from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from imugap.effects import title_of
 from imugap.effects.effect import Effect, Evidence
 
 MIN_LOG_P = -690.0
@@ -131,16 +129,6 @@ class Unnamed:
     name: str
     reason: str
     probabilities: Mapping[str, float]
-
-
-def unnamed_sentences(found: Iterable[Unnamed]) -> Iterator[str]:
-    """Yield what is not named as sentences, one for all of an axis that have the same reason."""
-    names: dict[tuple[str, str], Counter[str]] = defaultdict(Counter)
-    for one in found:
-        names[one.axis, one.reason][title_of(one.name)] += 1
-    for (axis, reason), counts in names.items():
-        alike = ", ".join(name if count == 1 else f"{name} ({count})" for name, count in counts.items())
-        yield f"{axis}: something like {alike}, but {reason}; not named."
 
 
 def finding(effects: dict[str, Effect], evidence: Evidence, unit: str) -> Finding:

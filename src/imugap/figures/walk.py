@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from imugap.figures.style import WIDTH, NotebookFigure, card, few_ticks, legend_below, panels_of, time_axis
 from imugap.filters.zero_velocity import MOVING
 from imugap.navigation.walk.pedestrian import WalkSolution
+from imugap.numerics.samples.chi_square import squared_radius
 
 COLOUR = "#0072B2"
 STANCE = "#D55E00"
@@ -41,13 +42,10 @@ def plan(solution: WalkSolution, width: float = WIDTH) -> Figure:
 
 
 def ellipse(middle: np.ndarray, covariance: np.ndarray, level: float = LEVEL) -> np.ndarray:
-    """Return points, shape (n, 2), of the ellipse that holds a normal variable with this probability.
-
-    The squared radius is that of chi-square with two degrees of freedom, -2 ln(1 - level).
-    """
+    """Return points, shape (n, 2), of the ellipse that holds a normal variable with this probability."""
     angle = np.linspace(0, 2 * np.pi, 181)
     values, vectors = np.linalg.eigh(covariance)
-    circle = np.column_stack([np.cos(angle), np.sin(angle)]) * np.sqrt(-2 * np.log(1 - level))
+    circle = np.column_stack([np.cos(angle), np.sin(angle)]) * np.sqrt(squared_radius(level))
     return middle + circle * np.sqrt(np.maximum(values, 0)) @ vectors.T
 
 

@@ -42,7 +42,6 @@ from imugap.interchange.limits import Limits, ends_text
 from imugap.interchange.limits import combined as combined_limits
 from imugap.interchange.omissions import Distance, Omission, costs
 from imugap.interchange.simulator_files import (
-    TRIADS,
     Simulator,
     Written,
     by_triad,
@@ -216,7 +215,7 @@ class Known:
     def unseen(self, parameter: Parameter, kind: str) -> str:
         """Return that a number for three axes is an upper bound, and on which; nothing for an estimate."""
         process = {"N": WhiteNoise, "K": RandomWalk}[parameter.formula[0]]
-        own = TRIADS[kind]
+        own = log.TRIADS[kind]
         axes = [axis for axis in own if any(isinstance(one, process) for one in self.bounds.get(axis, ()))]
         if not axes:
             return ""
@@ -273,7 +272,7 @@ def _lines_of_triad(parameter: Parameter, kind: str, model: ErrorModel, rule: Ru
     at = {time: _triad(kind, model, replace(rule, horizon=time)) for time in (rule.horizon, *HORIZONS)}
     value = number(_shown(parameter, at[rule.horizon], rule))
     said = [parameter.unit, parameter.meaning, known.unseen(parameter, kind)]
-    own = TRIADS[kind]
+    own = log.TRIADS[kind]
     if set(own) <= set(known.limits):
         axes = [reduced(axis, model[axis], rule) for axis in own]
         interval = combined_limits(axes, [known.limits[axis] for axis in own], rule.triad).interval(parameter, rule)
@@ -286,14 +285,14 @@ def _lines_of_triad(parameter: Parameter, kind: str, model: ErrorModel, rule: Ru
 
 def _triad(kind: str, model: ErrorModel, rule: Rule) -> Reduced:
     """Return one reduced model for the three axes of a sensor."""
-    return combined((reduced(axis, model[axis], rule) for axis in TRIADS[kind]), rule.triad)
+    return combined((reduced(axis, model[axis], rule) for axis in log.TRIADS[kind]), rule.triad)
 
 
 def _ros(model: ErrorModel, rule: Rule, known: Known) -> Written:
     axes = _reduced(model, rule)
     lines = [f"orientation_covariance: [-1.0, {', '.join(8 * ['0.0'])}]  # no estimate of the orientation"]
     for kind, (parameter,) in parameters(ROS).items():
-        diagonal = np.diag([parameter.value(axes[axis], rule) for axis in TRIADS[kind]]).ravel()
+        diagonal = np.diag([parameter.value(axes[axis], rule) for axis in log.TRIADS[kind]]).ravel()
         lines.append(f"{parameter.name}: [{', '.join(map(number, diagonal))}]  # {parameter.unit}")
     notes = [
         *_head(model, ROS, rule, {axis: (WhiteNoise(one.white),) for axis, one in axes.items()}),
@@ -309,7 +308,7 @@ def _kf_gins(model: ErrorModel, rule: Rule, known: Known) -> Written:
     rows = {}
     for kind, some in parameters(KF_GINS).items():
         for one in some:
-            values = [number(_shown(one, axes[axis], rule)) for axis in TRIADS[kind]]
+            values = [number(_shown(one, axes[axis], rule)) for axis in log.TRIADS[kind]]
             rows[one.name] = f"{one.name}: [{', '.join(values)}]  # {one.unit}"
     common = KF_GINS.accel[-1]
     rows[common.name] = f"{common.name}: {number(_shown(common, axes['accel_x'], rule))}  # {common.unit}"

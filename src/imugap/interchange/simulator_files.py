@@ -8,7 +8,6 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from imugap import log
 from imugap.effects import (
     Effect,
     GaussMarkov,
@@ -35,10 +34,10 @@ from imugap.interchange.conventions import (
     Rule,
     combined,
 )
+from imugap.log import TRIADS
 from imugap.model import ErrorModel
 from imugap.units import from_si
 
-TRIADS = {"gyro": log.GYRO, "accel": log.ACCEL}
 Axes = Mapping[str, Reduced]
 """Reduced model of each axis."""
 Written = tuple[list[str], list[str]]

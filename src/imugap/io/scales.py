@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 
 from imugap.integrity.scales import Scale, odd_axis, odd_run
-from imugap.io.recognition.units import PLACES, TRIADS
-from imugap.log import AXES, LogError
+from imugap.io.recognition.units import PLACES
+from imugap.log import AXES, TRIADS, LogError
 
 
 def require_one_scale(columns: Mapping[str, np.ndarray]) -> None:

@@ -5,13 +5,21 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from imugap.discovery.evaluation.distance import Distances
-from imugap.discovery.finding import Discrepancy, Finding, Interval, unnamed_sentences
+from imugap.discovery.finding import Discrepancy, Finding, Interval
 from imugap.discovery.inputs import FileDiscovery
 from imugap.discovery.noise.nameless_noise import NamelessNoise
-from imugap.discovery.report import certainty, describe_locations, describe_range, described_sentences
 from imugap.discovery.start_comparison.parameters import StartParameter
 from imugap.discovery.start_comparison.wording import sentences
+from imugap.discovery.verdict import (
+    agrees,
+    certainty,
+    describe_range,
+    distance_sentence,
+    gap,
+    left_out,
+    nothing_named,
+    remarks,
+)
 from imugap.effects import title_of
 from imugap.effects.effect import AxisModel, Effect, Role
 from imugap.figures import discovery as figures
@@ -25,6 +33,7 @@ from imugap.model import ErrorModel
 from imugap.pages.estimate import HORIZON
 from imugap.pages.model import filter_part, simulator_part, text
 from imugap.pages.page import Block, DataTable, Fold, Gallery, Page, Part, Picture, Points, Snippet, Text, Topic
+from imugap.units import with_unit
 from imugap.workflow.tables import number, unit, with_interval
 
 SHOWN = 6
@@ -61,10 +70,11 @@ def page(result: FileDiscovery) -> Page:
     """Compose the page of a discovery."""
     found = result.found
     rule = Rule(float(f"{result.logs[0]['rate_hz']:.9g}"), HORIZON)
+    further = (*left_out(found), *remarks(found))
     return Page(
         "What does the error model lack?",
         tuple(_verdict(result)),
-        not (found.findings or found.withheld or found.unexplained or found.shapes),
+        agrees(found),
         (
             Part("What is missing, and what to do", tuple(_missing(found.findings))),
             Part(
@@ -72,7 +82,7 @@ def page(result: FileDiscovery) -> Page:
                 (Points(tuple(one.sentence() for one in result.advice)),) if result.advice else (),
             ),
             Part("Your start model, parameter by parameter", tuple(_against(result.against))),
-            Part("What else the log shows", (Points(tuple(_remarks(result))),) if list(_remarks(result)) else ()),
+            Part("What else the log shows", (Points(further),) if further else ()),
             Part("Where log and simulator disagree", tuple(_places(result))),
             Part("How far the model is from data that it has not seen", tuple(_distances(result))),
             Part("Noise without a name, described", tuple(_nameless(found.nameless, rule))),
@@ -91,21 +101,9 @@ def _verdict(result: FileDiscovery) -> Iterable[str]:
         names = "; ".join(f"{title_of(some[0].name)} on {_axes_of(some)}" for some in shared)
         count = len(shared)
         yield f"{count} effect{'s are' if count > 1 else ' is'} missing from the error model: {names}."
-    elif found.withheld or found.unexplained or found.shapes:
-        yield "The log disagrees with the model, but nothing that is missing has a name."
     else:
-        yield "Nothing is missing that the log can show."
-    if found.unexplained:
-        yield f"Still unexplained: {describe_locations(found.unexplained)}."
-    for name, apart in found.distances.items():
-        yield f"{NAMES[name]}: {_gain(apart)}"
-
-
-def _gain(apart: Distances) -> str:
-    """Return in words what a distance was, is, and could be."""
-    before, after = (f"{one.value:.3g}" for one in (apart.before, apart.after))
-    floor = f"{apart.floor.low:.3g} to {apart.floor.high:.3g}"
-    return f"distance {before} before, {after} now; two runs of one model are {floor} apart ({apart.judgement})."
+        yield nothing_named(found)
+    yield from gap(found)
 
 
 def _missing(findings: Sequence[Finding]) -> Iterable[Block]:
@@ -197,7 +195,7 @@ def _against(rows: Sequence[StartParameter]) -> Iterable[Block]:
     yield Points(sentences(rows))
     titles = ("axis", "parameter", "start", "log", "interval", "unit", "verdict")
     cells = tuple(
-        (one.axis, one.name, _or_dash(one.start), *_of_log(one.log), "" if one.unit == "1" else unit(one.unit),
+        (one.axis, one.name, _or_dash(one.start), *_of_log(one.log), _unit(one.unit),
          f"{one.agreement}: {one.remark}" if one.remark else str(one.agreement))
         for one in rows if not (one.start is None and one.log is not None and _is_unused(one.log))
     )  # fmt: skip
@@ -228,23 +226,13 @@ def _parameter(name: str, one: Interval) -> tuple[str, ...]:
     return (
         name.replace("_", " "),
         *with_interval(one.value, one.low, one.high),
-        "" if one.unit == "1" else unit(one.unit),
+        _unit(one.unit),
     )
 
 
-def _remarks(result: FileDiscovery) -> Iterable[str]:
-    """Yield what was seen but not named, and what the log does not show."""
-    found = result.found
-    if found.band is not None:
-        yield found.band.sentence()
-    yield from unnamed_sentences(found.withheld)
-    yield from described_sentences(found)
-    for axis, name in found.undetermined:
-        yield f"{axis}: the log does not show {name.replace('_', ' ')}; kept as the start model has it."
-    for one in found.shapes:
-        yield one.sentence()
-    if found.gravity is not None:
-        yield found.gravity.sentence()
+def _unit(name: str) -> str:
+    """Return the unit as a cell shows it; an empty cell where there is none."""
+    return "" if name == "1" else unit(name)
 
 
 def _compared(start: ErrorModel, final: ErrorModel) -> DataTable:
@@ -318,7 +306,7 @@ def _ranges(places: Sequence[Discrepancy]) -> str:
     if len(spans) <= FEW:
         return "; ".join(spans)
     low, high = min(one.low for one in places), max(one.high for one in places)
-    return f"{len(spans)} places, {low:.4g} to {high:.4g} {places[0].unit}".removesuffix(" 1")
+    return with_unit(f"{len(spans)} places, {low:.4g} to {high:.4g}", places[0].unit)
 
 
 def _axes(names: str) -> str:
@@ -332,7 +320,7 @@ def _distances(result: FileDiscovery) -> Iterable[Block]:
     yield Text(DISTANCE)
     yield Text(f"Held-out data: {'the test logs' if result.tests else 'the last part of the log'}.")
     pictures = [
-        Picture(figures.distance_of(found, name), f"{NAMES[name]}.", f"{NAMES[name]}: {_gain(apart)}")
+        Picture(figures.distance_of(found, name), f"{NAMES[name]}.", distance_sentence(name, apart))
         for name, apart in found.distances.items()
     ]
     drifts = [

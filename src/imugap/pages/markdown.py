@@ -4,8 +4,9 @@ import pandas as pd
 
 from imugap.discovery.inputs import FileDiscovery
 from imugap.discovery.posterior import percent
-from imugap.discovery.report import describe_range, verdict
 from imugap.discovery.start_comparison.wording import sentences
+from imugap.discovery.verdict import describe_range, verdict
+from imugap.units import with_unit
 
 LEAST = 1e-300
 """Probability below which no number is given."""
@@ -50,7 +51,7 @@ def _effects(result: FileDiscovery) -> pd.DataFrame:
         (
             ", ".join(one.axes),
             one.name,
-            "; ".join(f"{name} {_interval(end)} {end.unit}".removesuffix(" 1") for name, end in one.parameters.items()),
+            "; ".join(with_unit(f"{name} {_interval(end)}", end.unit) for name, end in one.parameters.items()),
             percent(one.probabilities[one.name]),
             ", ".join(name for name, _ in one.alternatives) or "-",
         )

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from imugap.units import with_unit
+
 TEX = {
     "√h": r"$\sqrt{\mathrm{h}}$",
     "√Hz": r"$\sqrt{\mathrm{Hz}}$",
@@ -125,7 +127,7 @@ def parameter(value: float, low: float | None, high: float | None, unit: str = "
     shown = number(value) if alike else interval(*ends)
     shown_unit = SHOWN.sub(lambda found: UNITS[found.group()], unit)
     open_ended = "" if all(map(isfinite, ends)) else " [—]"
-    return f"{shown}{open_ended} {shown_unit}".removesuffix(" 1")
+    return with_unit(f"{shown}{open_ended}", shown_unit)
 
 
 def _tabular(heads: Sequence[str], cells: Sequence[Sequence[str]]) -> str:

@@ -7,7 +7,7 @@ from tests.discovery.simulated import KINDS, LOG_ALPHA, fitted, names, result_of
 
 from imugap.discovery.checks.noise_law import noise_law
 from imugap.discovery.device import Settings, discover
-from imugap.discovery.report import verdict
+from imugap.discovery.verdict import verdict
 from imugap.effects import GaussMarkov, Outliers, RandomWalk, Sinusoid, SkewedNoise, UniformNoise, WhiteNoise
 from imugap.log import from_samples
 from imugap.stream import stream

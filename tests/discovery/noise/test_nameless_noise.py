@@ -6,7 +6,8 @@ from scipy.signal import lfilter
 
 import imugap as ig
 from imugap.discovery.device import Settings, discover
-from imugap.discovery.report import to_mapping, verdict
+from imugap.discovery.report import to_mapping
+from imugap.discovery.verdict import verdict
 from imugap.effects import CATALOGUE, BandNoise, NoiseDistribution, Sinusoid, SkewedNoise
 from imugap.log import from_samples
 from imugap.model import ErrorModel

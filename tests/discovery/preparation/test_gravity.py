@@ -7,7 +7,7 @@ from imugap import log
 from imugap.discovery.device import Settings, discover
 from imugap.discovery.inputs import Files, discover_files
 from imugap.discovery.preparation.gravity import SensedGravity
-from imugap.discovery.report import verdict
+from imugap.discovery.verdict import verdict
 from imugap.effects import Bias, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.log import from_samples

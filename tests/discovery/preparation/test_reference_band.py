@@ -8,7 +8,7 @@ from scipy.signal import butter, sosfiltfilt
 from imugap import log
 from imugap.discovery.device import Settings, discover
 from imugap.discovery.preparation.reference_band import ReferenceBand, reference_band
-from imugap.discovery.report import verdict
+from imugap.discovery.verdict import verdict
 from imugap.stream import stream
 
 RATE, COUNT = 100.0, 6000

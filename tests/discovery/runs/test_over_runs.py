@@ -12,9 +12,9 @@ from imugap.discovery.device import Settings, discover, leave_one_out
 from imugap.discovery.fit.axis_fit import fit, log_score
 from imugap.discovery.fit.description import Description
 from imugap.discovery.preparation.prepare import prepare
-from imugap.discovery.report import verdict
 from imugap.discovery.runs.over_runs import fit_over_runs, not_needed, not_recurring, search_over_runs
 from imugap.discovery.search.intervals import intervals
+from imugap.discovery.verdict import verdict
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.model import ErrorModel

@@ -8,8 +8,9 @@ from imugap.effects import RandomWalk, WhiteNoise
 from imugap.effects.effect import Effect
 from imugap.interchange.conventions import AIRSIM, AIRSIM_TAU
 from imugap.interchange.start_models.document import Document
-from imugap.interchange.start_models.reading import TRIADS, Key, Reader, Reading, in_si, model_of, number, walk_density
+from imugap.interchange.start_models.reading import Key, Reader, Reading, in_si, model_of, number, walk_density
 from imugap.interchange.start_models.reading import density as of_density
+from imugap.log import TRIADS
 
 IMU = 2
 """``SensorType`` of an IMU."""

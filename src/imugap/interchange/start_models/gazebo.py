@@ -9,7 +9,6 @@ from imugap.effects.effect import Effect
 from imugap.interchange.conventions import GAZEBO
 from imugap.interchange.start_models.document import Document
 from imugap.interchange.start_models.reading import (
-    TRIADS,
     Key,
     Reader,
     Reading,
@@ -21,6 +20,7 @@ from imugap.interchange.start_models.reading import (
     require_rate,
     std,
 )
+from imugap.log import TRIADS
 
 ELEMENTS = {"gyro": "angular_velocity", "accel": "linear_acceleration"}
 TYPES = ("none", "gaussian", "gaussian_quantized")

@@ -7,7 +7,6 @@ from imugap.effects import Bias, RandomWalk, Resolution, WhiteNoise
 from imugap.interchange.conventions import GENESIS
 from imugap.interchange.start_models.document import Document
 from imugap.interchange.start_models.reading import (
-    TRIADS,
     Key,
     Reader,
     Reading,
@@ -18,6 +17,7 @@ from imugap.interchange.start_models.reading import (
     require_rate,
     walk_density,
 )
+from imugap.log import TRIADS
 
 PREFIXES = {"gyro": "gyro", "accel": "acc"}
 NOISES = tuple(f"{prefix}_{name}" for prefix in PREFIXES.values() for name in ("noise", "random_walk"))

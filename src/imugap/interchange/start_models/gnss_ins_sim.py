@@ -8,7 +8,6 @@ from imugap.effects.effect import Effect
 from imugap.interchange.conventions import GNSS_INS_SIM
 from imugap.interchange.start_models.document import Document
 from imugap.interchange.start_models.reading import (
-    TRIADS,
     Key,
     Reader,
     Reading,
@@ -21,6 +20,7 @@ from imugap.interchange.start_models.reading import (
 from imugap.interchange.start_models.reading import density as of_density
 from imugap.interchange.start_models.reading import level as level_of
 from imugap.interchange.start_models.reading import std as of_std
+from imugap.log import TRIADS
 
 WHITE = {"gyro": "gyro_arw", "accel": "accel_vrw"}
 KEYS = ("gyro_b", "gyro_arw", "gyro_b_stability", "accel_b", "accel_vrw", "accel_b_stability")

@@ -6,7 +6,6 @@ from imugap.effects import RandomWalk, WhiteNoise
 from imugap.interchange.conventions import KALIBR
 from imugap.interchange.start_models.document import Document
 from imugap.interchange.start_models.reading import (
-    TRIADS,
     Key,
     Reader,
     Reading,
@@ -16,6 +15,7 @@ from imugap.interchange.start_models.reading import (
     number,
     walk_density,
 )
+from imugap.log import TRIADS
 
 NAMES = {"gyro": "gyroscope", "accel": "accelerometer"}
 SILENT = {"rostopic", "update_rate", "model", "T_i_b", "T_cam_imu"}

@@ -8,7 +8,6 @@ from imugap.effects import Bias, GaussMarkov, ScaleFactor, TurnOnBias, WhiteNois
 from imugap.interchange.conventions import KF_GINS
 from imugap.interchange.start_models.document import Document
 from imugap.interchange.start_models.reading import (
-    TRIADS,
     Key,
     Reader,
     Reading,
@@ -21,6 +20,7 @@ from imugap.interchange.start_models.reading import (
 from imugap.interchange.start_models.reading import density as of_density
 from imugap.interchange.start_models.reading import level as level_of
 from imugap.interchange.start_models.reading import std as of_std
+from imugap.log import TRIADS
 from imugap.units import to_si
 
 KEYS = {

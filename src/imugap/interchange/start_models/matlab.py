@@ -21,7 +21,6 @@ from imugap.effects.effect import Effect
 from imugap.interchange.conventions import MATLAB
 from imugap.interchange.start_models.document import Document
 from imugap.interchange.start_models.reading import (
-    TRIADS,
     Key,
     Reader,
     Reading,
@@ -32,6 +31,7 @@ from imugap.interchange.start_models.reading import (
     require_rate,
     walk_density,
 )
+from imugap.log import TRIADS
 
 SENSORS = {"gyro": "Gyroscope", "accel": "Accelerometer"}
 HELD = {

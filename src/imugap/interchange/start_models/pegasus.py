@@ -7,7 +7,6 @@ from imugap.effects import GaussMarkov, WhiteNoise
 from imugap.interchange.conventions import PEGASUS
 from imugap.interchange.start_models.document import Document
 from imugap.interchange.start_models.reading import (
-    TRIADS,
     Key,
     Reader,
     Reading,
@@ -18,6 +17,7 @@ from imugap.interchange.start_models.reading import (
     model_of,
     number,
 )
+from imugap.log import TRIADS
 
 DEFAULTS = {
     "gyroscope": {"noise_density": 0.0003393695767766752, "random_walk": 3.878509448876288e-05,

@@ -8,14 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from imugap import log
 from imugap.effects.effect import AxisModel, Effect
 from imugap.interchange.conventions import Convention
 from imugap.interchange.start_models.document import Document
 from imugap.model import ErrorModel
 from imugap.units import from_si, to_si
-
-TRIADS = {"gyro": log.GYRO, "accel": log.ACCEL}
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ from imugap.effects import RandomWalk, WhiteNoise
 from imugap.interchange.conventions import VINS
 from imugap.interchange.start_models.document import Document
 from imugap.interchange.start_models.reading import (
-    TRIADS,
     Key,
     Reader,
     Reading,
@@ -17,6 +16,7 @@ from imugap.interchange.start_models.reading import (
     require_rate,
     walk_density,
 )
+from imugap.log import TRIADS
 
 KEYS = ("gyr_n", "gyr_w", "acc_n", "acc_w")
 

@@ -21,12 +21,11 @@ from imugap.io.recognition.unit_text import (
     quantity_of,
     unit_of,
 )
-from imugap.log import ACCEL, AXES, COLUMNS, GYRO, TEMPERATURE, TIME
+from imugap.log import AXES, COLUMNS, TEMPERATURE, TIME, TRIADS
 from imugap.units import factor
 
 SKIP = "-"
 """Stands for a column that is not read."""
-TRIADS = {"gyro": GYRO, "accel": ACCEL}
 WORDS = {
     "gyro": "gyro gyros gyr gyroscope gyroscopes omega rotation turn angrate gy rate rates pqr wb",
     "accel": "accel accels accl acc accelerometer accelerometers acceleration accelerations specific ac gf xl alpha "

@@ -11,7 +11,7 @@ import numpy as np
 from imugap.io.recognition import column_names, frame, samples, stamps, units
 from imugap.io.recognition.column_names import Assignment
 from imugap.io.recognition.settings import RecordingSettings
-from imugap.log import ACCEL, GYRO, TEMPERATURE, TIME, LogError
+from imugap.log import ACCEL, GYRO, TEMPERATURE, TIME, TRIADS, LogError
 from imugap.units import factor
 
 COLDEST, HOTTEST = -60.0, 150.0
@@ -142,7 +142,7 @@ def _in_one_unit(assignment: Assignment, settings: RecordingSettings) -> tuple[d
     """Return the factor of each axis to the unit of its triad, where the header gives several, and what was done."""
     scales: dict[str, float] = {}
     sentences = []
-    for quantity, axes in units.TRIADS.items():
+    for quantity, axes in TRIADS.items():
         stated = {name: assignment.mixed[name] for name in axes if name in assignment.mixed}
         if stated and not settings.units.get(quantity):
             unit = assignment.units[quantity]

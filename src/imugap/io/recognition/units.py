@@ -12,7 +12,7 @@ import numpy as np
 from imugap.integrity.scales import Scale, loud_axis
 from imugap.io.recognition import samples
 from imugap.io.recognition.unit_text import COUNTS, INCREMENTS, QUANTITIES, quantity_of, unit_of
-from imugap.log import ACCEL, GYRO, LogError
+from imugap.log import ACCEL, TRIADS, LogError
 from imugap.units import STANDARD_GRAVITY, factor
 
 TEMPERATURES = {"degC": (1.0, 0.0), "degF": (5 / 9, -160 / 9), "K": (1.0, -273.15)}
@@ -21,7 +21,6 @@ KELVINS = 200.0, 400.0
 """Temperatures of devices [K]; those of none in degC."""
 SI = {"gyro": "rad/s", "accel": "m/s^2", "temperature": "degC"}
 PLACES = {"gyro": "columns gyro_x to gyro_z", "accel": "columns accel_x to accel_z"}
-TRIADS = {"gyro": GYRO, "accel": ACCEL}
 OPPOSITE = "-"
 """Before the unit of a quantity of the other sign, such as accelerations in which gravity points down."""
 OPTION = "the option"

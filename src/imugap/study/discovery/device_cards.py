@@ -11,7 +11,7 @@ from math import isfinite
 import pandas as pd
 
 from imugap.discovery.finding import Discrepancy
-from imugap.discovery.report import describe_locations
+from imugap.discovery.verdict import describe_locations
 from imugap.effects.effect import AxisModel
 from imugap.interchange.devices.card import SCHEMA
 from imugap.io.catalogue.datasets import DataSet

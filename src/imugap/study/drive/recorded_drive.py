@@ -21,7 +21,7 @@ from imugap.filters.solution_separation import EVENT_OPENED, EVENT_SEPARATED
 from imugap.io import gnss
 from imugap.io.catalogue.public_drives import PublicDrive
 from imugap.kinematics.strapdown import ATTITUDE, POSITION
-from imugap.log import ACCEL, AXES, GYRO, interval
+from imugap.log import AXES, GYRO, TRIADS, interval
 from imugap.model import ErrorModel
 from imugap.navigation.drive.vehicle import AlignmentSettings, DriveAssumptions, DriveInputs, DriveSolution, navigate
 from imugap.navigation.drive.vehicle_alignment import align
@@ -126,7 +126,7 @@ class DriveTest:
             at = np.arange(np.ceil(good.time[0]), good.time[-1])
             at = at[in_lasting_fault(event_kinds(at, events))]
             one, other = (some.sensors.iloc[np.searchsorted(some.time, at)] for some in (good, bad))
-            for triad, axes in (("gyro", GYRO), ("accel", ACCEL)):
+            for triad, axes in TRIADS.items():
                 apart = one[list(axes)].to_numpy() - other[list(axes)].to_numpy()
                 row[triad] = np.sqrt(np.mean(np.sum(apart**2, axis=1)))
             rows.append(row)

@@ -1,5 +1,9 @@
-from imugap.discovery.finding import Discrepancy, Unnamed, unnamed_sentences
-from imugap.discovery.report import describe_locations
+from types import SimpleNamespace
+
+import pytest
+
+from imugap.discovery.finding import Discrepancy, Unnamed
+from imugap.discovery.verdict import agrees, describe_locations, nothing_named, unnamed_sentences
 
 
 def place(axis, view, low, high, unit="Hz"):
@@ -40,3 +44,24 @@ def test_what_is_not_named_for_one_reason_is_one_sentence_for_each_axis():
         "gyro_x: something like chirp, scale factor, but its spectrum has another shape; not named.",
         "gyro_y: something like chirp, Gauss-Markov, but its spectrum has another shape; not named.",
     ]
+
+
+NOTHING = {"findings": (), "withheld": (), "unexplained": (), "shapes": ()}
+
+
+def test_nothing_is_missing_only_where_the_log_shows_nothing():
+    nothing = SimpleNamespace(**NOTHING)
+    assert agrees(nothing)
+    assert nothing_named(nothing).startswith("Nothing is missing")
+
+
+@pytest.mark.parametrize("kind", ["withheld", "unexplained", "shapes"])
+def test_what_is_seen_without_a_name_is_a_disagreement(kind):
+    found = SimpleNamespace(**NOTHING | {kind: ("seen",)})
+    assert not agrees(found)
+    assert "disagrees" in nothing_named(found)
+    assert "has a name" in nothing_named(found)
+
+
+def test_a_name_is_a_disagreement():
+    assert not agrees(SimpleNamespace(**NOTHING | {"findings": ("named",)}))
