@@ -104,3 +104,15 @@ def test_a_course_that_is_too_uncertain_names_the_setting_that_takes_it(level, a
     assert align(taken).time > level.legs[0].duration_s
     with pytest.raises(ValueError, match="a vehicle at rest shows none"):
         align(replace(inputs, fixes=level.fixes(0, SEED).loc[:14]))
+
+
+def test_a_receiver_that_converges_at_rest_starts_no_drive_by_places_seconds_apart(level, assumptions):
+    """Places alone, 2.5 s apart, move by 4.5 m/s at rest; the drive starts once the vehicle is on its way."""
+    receiver = replace(level.receiver, rate_hz=0.4, lever_m=(0.0, 0.0, 0.0))
+    drive = replace(level, legs=(DriveLeg(60, 0), DriveLeg(20, 40), DriveLeg(200, 40)), receiver=receiver)
+    fixes, record = drive.fixes(0, SEED), drive.record(0, SEED)
+    places = fixes[[name for name in fixes if not name.startswith(("vel", "sd_vel"))]]
+    left = np.clip(40.0 - (places.index - record.index[0]), 0.0, None) * 4.5
+    places = places.assign(latitude=places["latitude"] - left / 6.37e6)
+    inputs = DriveInputs(record, places, drive.model, drive.ellipsoid, assumptions, NO_CONTROL)
+    assert align(inputs).time > record.index[0] + 60

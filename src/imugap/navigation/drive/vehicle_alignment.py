@@ -78,7 +78,7 @@ def align(inputs: DriveInputs) -> InitialState:
             break
     else:
         raise ValueError(_without_course(time, velocity, np.hypot(spread, swing), stamp, settings))
-    number, matched = _start(velocity_pair(inputs), time, able, settings)
+    number, matched = _start(velocity_pair(inputs, baseline_s), time, able, settings)
     heading = _heading(gyro[number], lever, velocity[number])
     heading_std = float(spread[number, :2].max() / np.hypot(*velocity[number, :2]))
     rest = _rest(time, velocity, spread, log, number, settings)
@@ -123,11 +123,11 @@ def _heading(rate: np.ndarray, lever: np.ndarray, velocity: np.ndarray) -> float
     return heading
 
 
-def velocity_pair(inputs: DriveInputs) -> VelocityPair:
-    """Return the samples, and the velocities of the fixes on the clock of the device."""
+def velocity_pair(inputs: DriveInputs, baseline_s: float = BASELINES_S[0]) -> VelocityPair:
+    """Return the samples, and the velocities of the fixes on the clock of the device (:func:`velocities`)."""
     log, states = inputs.log, inputs.assumptions.states(inputs.model)
     time, seen, std = inputs.measured
-    velocity, spread = velocities(time, seen, std)
+    velocity, spread = velocities(time, seen, std, baseline_s)
     biases = states.variance[(states.axis < len(GYRO)) & ~states.scale]
     return VelocityPair(
         log.index.to_numpy(dtype=float), log[list(AXES)].to_numpy(dtype=float) - states.fixed, time, velocity, spread,
