@@ -83,8 +83,6 @@ DRIFT = (
     "the filters that know their errors; above, the drift is larger than stated, below, smaller. The numbers hold the "
     "noise of the fixes."
 )
-FEW = 20
-"""Number of windows from which on a 95th percentile is below the largest."""
 NO_ROOM = "The drive is too short for a window without fixes."
 NOISE = (
     "What the filter assumed of the device. A factor that the drive has shown, as by vibration, is in these numbers. "
@@ -132,7 +130,7 @@ def _drift(found: NavigatedDrive) -> tuple[Block, ...]:
     rows = tuple(
         (
             f"{one.length_s:g} s", str(one.windows), f"{one.median_m:.3g}",
-            f"{one.p95_m:.3g}{'' if one.windows >= FEW else ' (largest)'}", f"{one.rms_m:.3g}",
+            f"{one.p95_m:.3g}", f"{one.rms_m:.3g}",
             f"{one.stated_rms_m:.3g}", f"{one.ratio:.2f}", f"{one.ratio_low:.2f} to {one.ratio_high:.2f}",
         )
         for one in found.outages.drifts.itertuples()
