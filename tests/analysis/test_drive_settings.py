@@ -10,8 +10,9 @@ from tests.navigation.drive.test_drive_verdict import SEED, later, level, survey
 from imugap.analysis.drive import RecordedDrive, navigate_drive
 from imugap.analysis.drive_settings import SCHEMA, DriveSettings
 from imugap.filters.innovation_gate import QualityControl
+from imugap.io.catalogue.public_drives import read_car
 from imugap.io.configuration import configure
-from imugap.io.gnss import PLACE_STD, VELOCITY_STD
+from imugap.io.gnss import PLACE, PLACE_STD, VELOCITY_STD
 from imugap.log import ACCEL, GYRO
 from imugap.navigation.drive.vehicle import AlignmentSettings, DriveAssumptions
 from imugap.numerics.rotation import from_euler
@@ -102,3 +103,23 @@ def test_a_time_offset_and_a_delay_of_the_velocities_are_found_together(level): 
     named = {one.error: one.setting for one in found.verdict.corrections}
     assert "velocity_delay_s" in named["delay of velocities"]
     assert "offset_s: -0." in named["time offset"]
+
+
+@pytest.mark.slow
+def test_the_time_offset_of_the_real_car_is_the_same_by_positions_and_with_late_velocities(sets, mirror, tmp_path):
+    """Fixes 0.1 s late, of a receiver whose velocities are late as well; the settings found give the same path."""
+    dataset = sets["rtklibexplorer_drive"]
+    car = read_car(*(dataset.file(1, content).place(mirror) for content in ("log", "clock", "fixes")), dataset)
+    fixes = later(car.fixes, 0.1)
+    whole, places = (
+        navigate_drive(RecordedDrive(car.log, some, DriveSettings())) for some in (fixes, fixes[[*PLACE, *PLACE_STD]])
+    )
+    by_all, by_places = (one.settings.assumptions for one in (whole, places))
+    assert by_places.time_offset_s == pytest.approx(-0.1, abs=0.02)
+    assert by_all.time_offset_s == pytest.approx(by_places.time_offset_s, abs=0.01)
+    assert by_all.velocity_delay_s == pytest.approx(0.13, abs=0.03)
+    drifts = whole.outages.drifts.set_index("length_s")
+    assert drifts.loc[10.0, "windows"] > 40
+    assert 0.5 < drifts.loc[10.0, "ratio"] < 2.0
+    second = navigate_drive(RecordedDrive(car.log, fixes, again(whole.settings, tmp_path)))
+    np.testing.assert_allclose(second.filtered.history.navigation, whole.filtered.history.navigation, atol=1e-3, rtol=0)

@@ -31,21 +31,13 @@ CONSISTENCY = (
 def page(found: NavigatedDrive) -> Page:
     """Compose the page of a drive."""
     summary, verdict = found.summary(), found.verdict
-    corrected = tuple(f"{one.found}: {one.setting}." for one in verdict.corrections)
     counts = DataTable("Events.", ("event", "number"), events(summary))
     return Page(
         "Where did the vehicle go, and do device and receiver agree?",
         (*str(verdict).splitlines(), _extent(found, summary)),
         verdict.agrees,
         (
-            Part(
-                "What to write into the configuration",
-                (
-                    *((Text(CORRECTIONS), Points(corrected)) if corrected else ()),
-                    Text(SETTINGS),
-                    Snippet(found.settings.text("model.yaml")),
-                ),
-            ),
+            Part("What to write into the configuration", (Text(SETTINGS), Snippet(found.settings.text("model.yaml")))),
             Part("Path", (Gallery((_track(found),)), Text(MAPS), DataTable("Extent.", ("", "value"), extent(summary)))),
             Part("Drift without fixes", _drift(found)),
             Part("Over time", (_over_time(found),)),
@@ -81,7 +73,6 @@ def consistency(summary: Mapping) -> str:
     return f"{nis}; 95 % of consistent filters lie in {low} to {high}"
 
 
-CORRECTIONS = "Each contradiction of device and fixes was corrected; with the setting beside it, it does not arise."
 SETTINGS = (
     "All settings in use that are not the default, in full. The file settings.yaml beside this page has them: "
     "--config settings.yaml gives the same result, with what was left out of the fixes left out again."
@@ -92,8 +83,6 @@ DRIFT = (
     "the filters that know their errors; above, the drift is larger than stated, below, smaller. The numbers hold the "
     "noise of the fixes."
 )
-FEW = 20
-"""Number of windows from which on a 95th percentile is below the largest."""
 NO_ROOM = "The drive is too short for a window without fixes."
 NOISE = (
     "What the filter assumed of the device. A factor that the drive has shown, as by vibration, is in these numbers. "
@@ -141,7 +130,7 @@ def _drift(found: NavigatedDrive) -> tuple[Block, ...]:
     rows = tuple(
         (
             f"{one.length_s:g} s", str(one.windows), f"{one.median_m:.3g}",
-            f"{one.p95_m:.3g}{'' if one.windows >= FEW else ' (largest)'}", f"{one.rms_m:.3g}",
+            f"{one.p95_m:.3g}", f"{one.rms_m:.3g}",
             f"{one.stated_rms_m:.3g}", f"{one.ratio:.2f}", f"{one.ratio_low:.2f} to {one.ratio_high:.2f}",
         )
         for one in found.outages.drifts.itertuples()
@@ -161,7 +150,11 @@ def _receiver(summary: Mapping) -> DataTable:
     """Return the noise of the receiver in use."""
     slow, names = summary["receiver_slow_std"], {"north": "m", "east": "m", "down": "m"}
     rows = [
-        (f"{name.replace('_', ' ')} [{names.get(name, 'm/s')}]", number(std), number(slow.get(name, 0.0)) or "–")
+        (
+            f"{name.replace('_', ' ')} [{names.get(name, 'm/s')}]",
+            number(std),
+            number(slow[name]) if slow.get(name) else "–",
+        )
         for name, std in summary["receiver_std"].items()
     ]
     over = f" over {summary['receiver_slow_s']:.3g} s" if any(slow.values()) else ""

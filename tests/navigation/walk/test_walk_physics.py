@@ -41,15 +41,13 @@ def test_a_sound_walk_passes_from_a_short_stand_too(walk, run):
 
 SPOILT = {
     "constant 0": lambda log: log.assign(accel_z=0.0),
-    "as of stamps of twice the interval": lambda log: stamped(log, 2.0),
-    "as of angular rates 57.3 times too small": lambda log: log.assign(
-        **{name: np.radians(log[name]) for name in GYRO}
-    ),
+    "as of stamps of twice the true interval": lambda log: stamped(log, 2.0),
+    "as of rates 57.3 times too small": lambda log: log.assign(**{name: np.radians(log[name]) for name in GYRO}),
     "as of gyro_y of the opposite sign": lambda log: log.assign(gyro_y=-log["gyro_y"]),
     "as of gyro_x and gyro_y exchanged": lambda log: log.assign(gyro_x=log["gyro_y"], gyro_y=log["gyro_x"]),
-    "as of angular rates twice too large": lambda log: log.assign(**{name: 2 * log[name] for name in GYRO}),
+    "as of rates of twice the turns": lambda log: log.assign(**{name: 2 * log[name] for name in GYRO}),
     "as of accel_x of the opposite sign": lambda log: log.assign(accel_x=-log["accel_x"]),
-    "as of left-handed axes": lambda log: log.assign(gyro_y=-log["gyro_y"], accel_y=-log["accel_y"]),
+    "as of left-handed ones": lambda log: log.assign(gyro_y=-log["gyro_y"], accel_y=-log["accel_y"]),
 }
 
 

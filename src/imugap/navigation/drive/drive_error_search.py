@@ -218,7 +218,7 @@ def _time_offset(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]
         found.append(f"the stamps of the fixes are {_late(known.time_offset_s - offset)}")
     if abs(delay - known.velocity_delay_s) > OFFSET_LEAST:
         found.append(f"their velocities are {_late(delay)} against the positions")
-        setting += f", receiver: {{velocity_delay_s: {delay:.3f}}}"
+        setting = f"{{{setting}, receiver: {{velocity_delay_s: {delay:.3f}}}}}"
     if found:
         yield tried, Correction("time offset", ", and ".join(found), setting)
 
@@ -391,7 +391,7 @@ def _device_noise(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction
             ))
             for axis, own in inputs.model.axes.items()
         })  # fmt: skip
-        tried, setting = replace(inputs, model=model), "model: model.yaml, the file with this noise"
+        tried, setting = replace(inputs, model=model), "model: model.yaml"
         if shown > factor / DEVICE_STEP:
             found = f"the device has some {factor:g} times the white noise of its model, as under vibration"
             yield tried, Correction(DEVICE_NOISE, found, setting)

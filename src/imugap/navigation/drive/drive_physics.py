@@ -23,6 +23,7 @@ from imugap.navigation.drive.fix_screening import middle
 from imugap.navigation.drive.vehicle import DriveInputs
 from imugap.navigation.drive.vehicle_alignment import velocity_pair
 from imugap.navigation.drive.velocity_matching import AFTER_S, BEFORE_S, SPAN_S, MatchedAttitude, VelocityPair
+from imugap.navigation.sample_errors import SAMPLE_ERRORS, SampleError
 from imugap.numerics.rotation import from_euler, to_euler
 from imugap.units import STANDARD_GRAVITY
 
@@ -286,43 +287,14 @@ def _of_fixes(inputs: DriveInputs, pair: VelocityPair) -> list[_Candidate]:
 def _of_samples(pair: VelocityPair) -> list[_Candidate]:
     """Return errors of the samples of the device."""
 
-    def scaled(rates: float | np.ndarray = 1.0, forces: float | np.ndarray = 1.0) -> Callable[[], VelocityPair]:
-        factors = np.concatenate([np.broadcast_to(rates, 3), np.broadcast_to(forces, 3)])
-        return lambda: replace(pair, samples=pair.samples * factors)
+    def corrected(error: SampleError) -> Callable[[], VelocityPair]:
+        return lambda: _with_samples(pair, *error.corrected(pair.stamp, pair.samples))
 
-    def ordered(*columns: int) -> Callable[[], VelocityPair]:
-        return lambda: replace(pair, samples=pair.samples[:, columns])
+    return [_Candidate(corrected(one), f"drive: expected {one.expected}", one.found) for one in SAMPLE_ERRORS]
 
-    def stamped(factor: float) -> Callable[[], VelocityPair]:
-        return lambda: replace(pair, stamp=pair.stamp[0] + factor * (pair.stamp - pair.stamp[0]))
 
-    unit, side = f"drive: expected {', '.join(GYRO)} in rad/s", 1 - 2 * np.eye(3)
-    turned = "of the opposite sign of the turns of the fixes"
-    columns = "drive: expected gyroscopes and accelerometers along the same axes, x, y, z"
-    orders = {(1, 0, 2): "gyro_x and gyro_y exchanged", (2, 1, 0): "gyro_x and gyro_z exchanged",
-              (0, 2, 1): "gyro_y and gyro_z exchanged", (1, 2, 0): "the columns of gyro_x, gyro_y, gyro_z in turn",
-              (2, 0, 1): "the columns of gyro_x, gyro_y, gyro_z in turn"}  # fmt: skip
-    stamps = "drive: expected stamps of the samples that go as fast as those of the fixes (--rate, --time-unit)"
-    return [
-        _Candidate(scaled(rates=np.radians(1)), unit, "rates 57.3 times those of the turns of the fixes, as in deg/s "
-                   "(convert them)"),
-        _Candidate(scaled(rates=np.degrees(1)), unit, "rates 57.3 times too small for the turns of the fixes "
-                   "(converted twice?)"),
-        _Candidate(scaled(rates=0.5), unit, "rates of twice the turns of the fixes (a wrong full scale?)"),
-        _Candidate(scaled(rates=2.0), unit, "rates of half the turns of the fixes (a wrong full scale?)"),
-        _Candidate(stamped(2.0), stamps, "an interval of half that (the rate is half the stated one)"),
-        _Candidate(stamped(0.5), stamps, "an interval of twice that (the rate is twice the stated one)"),
-        _Candidate(scaled(rates=-1.0), f"drive: expected {', '.join(GYRO)} right-handed about the axes of the "
-                   "accelerometers", f"all three {turned}"),
-        *(_Candidate(scaled(rates=side[k]), f"drive: expected a right-handed {name}", f"{name} {turned}")
-          for k, name in enumerate(GYRO)),
-        *(_Candidate(scaled(forces=side[k]), f"drive: expected {ACCEL[k]} along the axis of {GYRO[k]}",
-                     f"{ACCEL[k]} of the opposite sign of the changes of velocity of the fixes") for k in range(2)),
-        *(_Candidate(ordered(*order, 3, 4, 5), columns, words) for order, words in orders.items()),
-        _Candidate(ordered(0, 1, 2, 4, 3, 5), columns, "accel_x and accel_y exchanged"),
-        _Candidate(scaled(side[1], side[1]), "drive: expected right-handed axes of the device", "left-handed ones: x "
-                   "and y are exchanged, or one of them has the opposite sign, of gyroscopes and accelerometers"),
-    ]  # fmt: skip
+def _with_samples(pair: VelocityPair, stamp: np.ndarray, samples: np.ndarray) -> VelocityPair:
+    return replace(pair, stamp=stamp, samples=samples)
 
 
 def _time_offset(pair: VelocityPair, windows: DriveWindows) -> tuple[float, MotionFit]:

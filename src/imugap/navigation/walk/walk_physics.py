@@ -9,7 +9,6 @@ A walk that passes may still be one of which the filter states too little: the n
 tell, and how often the floor is not level.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -18,8 +17,9 @@ from scipy.special import chdtri
 
 from imugap.filters.error_state import NAVIGATION
 from imugap.filters.zero_velocity import MOVING
-from imugap.log import ACCEL, AXES, GYRO, TIME
+from imugap.log import AXES, TIME
 from imugap.model import ErrorModel
+from imugap.navigation.sample_errors import SAMPLE_ERRORS, SampleError
 from imugap.navigation.walk import pedestrian
 from imugap.navigation.walk.pedestrian import STEP_M, AlignedWalk, WalkAssumptions
 
@@ -37,42 +37,6 @@ FEWEST_STANCES = 8
 """Number of stances from which on a walk is judged."""
 CHANCE = 1e-6
 """Probability of velocities as large, over the stated ones, below which they are not chance."""
-Change = Callable[[pd.DataFrame], pd.DataFrame]
-
-
-def _scaled(names: tuple[str, ...], factor: float) -> Change:
-    return lambda log: log.assign(**{name: factor * log[name] for name in names})
-
-
-def _ordered(names: tuple[str, ...], order: tuple[str, ...]) -> Change:
-    return lambda log: log.assign(**{name: log[other] for name, other in zip(names, order, strict=True)})
-
-
-def _stamped(factor: float) -> Change:
-    return lambda log: log.set_index(
-        pd.Index(log.index[0] + factor * (log.index.to_numpy() - log.index[0]), name=TIME)
-    )  # fmt: skip
-
-
-X, Y, Z = GYRO
-SUSPECTS: dict[str, Change] = {
-    "stamps of twice the interval (the rate is twice the nominal one)": _stamped(0.5),
-    "stamps of half the interval (the rate is half the nominal one)": _stamped(2.0),
-    "angular rates in deg/s": _scaled(GYRO, np.radians(1)),
-    "angular rates 57.3 times too small": _scaled(GYRO, np.degrees(1)),
-    "angular rates twice too large (a wrong full scale?)": _scaled(GYRO, 0.5),
-    "angular rates twice too small (a wrong full scale?)": _scaled(GYRO, 2.0),
-    "angular rates of the opposite sign": _scaled(GYRO, -1.0),
-    **{f"{name} of the opposite sign": _scaled((name,), -1.0) for name in (*GYRO, *ACCEL[:2])},
-    "gyro_x and gyro_y exchanged": _ordered(GYRO, (Y, X, Z)),
-    "gyro_x and gyro_z exchanged": _ordered(GYRO, (Z, Y, X)),
-    "gyro_y and gyro_z exchanged": _ordered(GYRO, (X, Z, Y)),
-    "gyro_x, gyro_y, gyro_z in the order y, z, x": _ordered(GYRO, (Z, X, Y)),
-    "gyro_x, gyro_y, gyro_z in the order z, x, y": _ordered(GYRO, (Y, Z, X)),
-    "accel_x and accel_y exchanged": _ordered(ACCEL[:2], ACCEL[1::-1]),
-    "left-handed axes (one with the opposite sign, or two exchanged, of both sensors)": _scaled((Y, ACCEL[1]), -1.0),
-}
-"""What may be wrong with a log, and how it is corrected."""
 
 
 class StanceFit(NamedTuple):
@@ -160,13 +124,19 @@ def check_walk(log: pd.DataFrame, model: ErrorModel, assumptions: WalkAssumption
     plain = stance_fit(log, model, assumptions)
     if plain.velocity < NOTICED_M_PER_S and not plain.climbs:
         return
-    left = {name: stance_fit(corrected(log), model, assumptions) for name, corrected in SUSPECTS.items()}
+    left = {one.found: stance_fit(_corrected(log, one), model, assumptions) for one in SAMPLE_ERRORS}
     best = min(left, key=lambda name: (not left[name].explains(plain), left[name].pace))
     if plain.velocity > LARGEST_M_PER_S or left[best].explains(plain):
         named = f", as of {best}" if left[best].explains(plain) else ""
         off = f"{plain.velocity:.2g} m/s off" if plain.velocity >= NOTICED_M_PER_S else (
             f"{plain.rise:+.2g} m off the level of the last one")  # fmt: skip
         raise ValueError(f"walk: expected a foot that comes to rest at each stance; found it {off}{named}")
+
+
+def _corrected(log: pd.DataFrame, error: SampleError) -> pd.DataFrame:
+    """Return a log corrected of an error of its samples."""
+    stamp, samples = error.corrected(log.index.to_numpy(dtype=float), log[list(AXES)].to_numpy(dtype=float))
+    return log.set_axis(pd.Index(stamp, name=TIME)).assign(**dict(zip(AXES, samples.T, strict=True)))
 
 
 def stance_fit(log: pd.DataFrame, model: ErrorModel, assumptions: WalkAssumptions) -> StanceFit:
