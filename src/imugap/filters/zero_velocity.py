@@ -164,13 +164,13 @@ class Detector:
             count = count if count >= least else self._standing(gyro, accel, least)
         return count, least
 
-    def _standing(self, gyro: np.ndarray, accel: np.ndarray, first: int) -> int:
-        """Return the number of samples of a stand at the start, by a window of ``first`` samples."""
-        bias, force = gyro[:first].mean(axis=0), accel[:first].mean(axis=0)
+    def _standing(self, gyro: np.ndarray, accel: np.ndarray, window: int) -> int:
+        """Return the number of samples of a stand at the start, by a window of ``window`` samples."""
+        bias, force = gyro[:window].mean(axis=0), accel[:window].mean(axis=0)
         reach, count = 0, 0
         while count == reach < len(gyro):
-            reach = min(max(4 * reach, 40 * first), len(gyro))
-            still = self._still(gyro[:reach] - bias, accel[:reach], first, float(np.linalg.norm(force)))
+            reach = min(max(4 * reach, 40 * window), len(gyro))
+            still = self._still(gyro[:reach] - bias, accel[:reach], window, float(np.linalg.norm(force)))
             count = int(np.argmin(still)) if not still.all() else reach
         return count
 
@@ -183,7 +183,9 @@ class Detector:
         rest = _at_middle(values < self._limit(values, _samples(self.stride_s, interval)), window)
         unbiased = gyro - np.array(stand.bias)
         still = self._still(unbiased, accel, _samples(self.still_s, interval), stand.gravity)
-        phase = rest.astype(np.int8) + (rest & still)
+        phase = np.full(len(rest), MOVING, np.int8)
+        phase[rest] = STANCE
+        phase[rest & still] = STILL
         if stand.still:
             phase[stand.rows] = STILL
         return phase
