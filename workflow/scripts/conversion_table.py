@@ -5,7 +5,7 @@ from itertools import zip_longest
 import pandas as pd
 
 from imugap import log
-from imugap.interchange.conventions import CONVENTIONS, HOUR, Rule, combined, reduced
+from imugap.interchange.conventions import CONVENTIONS, HOUR, Rule, by_triad, reduced_axes
 from imugap.model import ErrorModel
 from imugap.units import from_si
 from imugap.workflow import tables
@@ -17,10 +17,7 @@ NAMES = {"bench": "virtual bench", "adis16405": "ADIS16405", "own": "own device"
 
 def values(device, model, rule):
     """Return every parameter of every tool for a device, in the unit of the tool."""
-    of = {
-        kind: combined((reduced(axis, model[axis], rule) for axis in own), rule.triad)
-        for kind, own in log.TRIADS.items()
-    }
+    of = by_triad(reduced_axes(model, rule), rule)
     rows = []
     for convention in CONVENTIONS:
         for kind, parameters in (("gyro", convention.gyro), ("accel", convention.accel)):

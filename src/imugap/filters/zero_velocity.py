@@ -150,7 +150,7 @@ class Detector:
         count, least = self._stand_count(gyro, accel, interval)
         if count >= least:
             return Stand.of(gyro[:count], accel[:count])
-        reach, window = (max(2, round(length / interval)) for length in (self.slowest_s, self.stance_s))
+        reach, window = (_samples(length, interval) for length in (self.slowest_s, self.stance_s))
         begin = gyro[:reach], accel[:reach]
         first = int(np.argmin(statistic(self.statistic, *begin, window, self.accel_std, self.gyro_std, gravity)))
         found = Stand.of(*(one[first : first + window] for one in begin))
@@ -160,17 +160,17 @@ class Detector:
         """Return the number of samples of the stand at the start, and the least that is needed."""
         count = least = 0
         for length in (self.stand_s, self.shortest_s):
-            least = max(2, round(length / interval))
+            least = _samples(length, interval)
             count = count if count >= least else self._standing(gyro, accel, least)
         return count, least
 
-    def _standing(self, gyro: np.ndarray, accel: np.ndarray, first: int) -> int:
-        """Return the number of samples of a stand at the start, by a window of ``first`` samples."""
-        bias, force = gyro[:first].mean(axis=0), accel[:first].mean(axis=0)
+    def _standing(self, gyro: np.ndarray, accel: np.ndarray, window: int) -> int:
+        """Return the number of samples of a stand at the start, by a window of ``window`` samples."""
+        bias, force = gyro[:window].mean(axis=0), accel[:window].mean(axis=0)
         reach, count = 0, 0
         while count == reach < len(gyro):
-            reach = min(max(4 * reach, 40 * first), len(gyro))
-            still = self._still(gyro[:reach] - bias, accel[:reach], first, float(np.linalg.norm(force)))
+            reach = min(max(4 * reach, 40 * window), len(gyro))
+            still = self._still(gyro[:reach] - bias, accel[:reach], window, float(np.linalg.norm(force)))
             count = int(np.argmin(still)) if not still.all() else reach
         return count
 
@@ -180,10 +180,12 @@ class Detector:
         The decision on a window applies at its middle; the first and last decisions extend to the ends.
         """
         values, window = self._values(gyro, accel, interval, stand)
-        rest = _at_middle(values < self._limit(values, self.stride_s / interval), window)
+        rest = _at_middle(values < self._limit(values, _samples(self.stride_s, interval)), window)
         unbiased = gyro - np.array(stand.bias)
-        still = self._still(unbiased, accel, max(2, round(self.still_s / interval)), stand.gravity)
-        phase = rest.astype(np.int8) + (rest & still)
+        still = self._still(unbiased, accel, _samples(self.still_s, interval), stand.gravity)
+        phase = np.full(len(rest), MOVING, np.int8)
+        phase[rest] = STANCE
+        phase[rest & still] = STILL
         if stand.still:
             phase[stand.rows] = STILL
         return phase
@@ -191,18 +193,18 @@ class Detector:
     def motion(self, gyro: np.ndarray, accel: np.ndarray, interval: float, stand: Stand) -> np.ndarray:
         """Return the statistic at each sample over the threshold within :attr:`slowest_s`, shape (n,)."""
         values, window = self._values(gyro, accel, interval, stand)
-        return _at_middle(np.maximum(values, 0.0) / self._limit(values, self.slowest_s / interval), window)
+        return _at_middle(np.maximum(values, 0.0) / self._limit(values, _samples(self.slowest_s, interval)), window)
 
     def _values(self, gyro: np.ndarray, accel: np.ndarray, interval: float, stand: Stand) -> tuple[np.ndarray, int]:
         """Return the statistic of each window, and the number of samples in it."""
-        window = max(2, round(self.window_s / interval))
+        window = _samples(self.window_s, interval)
         stds = np.hypot(self.accel_std, stand.accel_std), np.hypot(self.gyro_std, stand.gyro_std)
         unbiased = gyro - np.array(stand.bias)
         return statistic(self.statistic, unbiased, accel, window, *stds, stand.gravity), window
 
-    def _limit(self, values: np.ndarray, samples: float) -> np.ndarray:
-        """Return the threshold of each window, from the lowest statistic within ``samples``."""
-        lowest = minimum_filter1d(values, max(2, round(samples)))
+    def _limit(self, values: np.ndarray, stride: int) -> np.ndarray:
+        """Return the threshold of each window, from the lowest statistic within ``stride`` windows."""
+        lowest = minimum_filter1d(values, stride)
         return np.clip(self.multiple * lowest, self.lowest, self.highest)
 
     def _still(self, gyro: np.ndarray, accel: np.ndarray, window: int, gravity: float) -> np.ndarray:
@@ -210,6 +212,11 @@ class Detector:
         window = min(window, len(gyro))
         values = statistic(Statistic.GLRT, gyro, accel, window, self.still_accel_std, self.still_gyro_std, gravity)
         return _at_middle(values < 1, window)
+
+
+def _samples(length: float, interval: float) -> int:
+    """Return the number of samples in a time of this length, both in [s]: two at least."""
+    return max(2, round(length / interval))
 
 
 def _at_middle(values: np.ndarray, window: int) -> np.ndarray:

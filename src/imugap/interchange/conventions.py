@@ -9,7 +9,7 @@ tool's kind with the same Allan variance at one averaging time, the horizon. For
 the horizon this is a random walk with K^2 = S_B = 2 std^2/T; a random walk keeps its K.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
 from enum import StrEnum
 from math import hypot, inf, sqrt
@@ -19,6 +19,8 @@ import numpy as np
 from imugap.effects import Bias, BiasInstability, Effect, GaussMarkov, PowerLaw, RandomWalk, TurnOnBias, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.effects.power_law import STEEPEST
+from imugap.log import AXES, TRIADS
+from imugap.model import ErrorModel
 
 SLOW = (RandomWalk, GaussMarkov, BiasInstability, PowerLaw)
 """Effects that are reduced to the slow process of a tool."""
@@ -133,6 +135,16 @@ def combined(axes: Iterable[Reduced], triad: Triad) -> Reduced:
     bias = float(np.mean(spread.pop("bias")))
     join = max if triad is Triad.WORST else lambda values: float(np.sqrt(np.mean(np.square(values))))
     return Reduced(bias=bias, **{name: join(values) for name, values in spread.items()})
+
+
+def reduced_axes(model: ErrorModel, rule: Rule) -> dict[str, Reduced]:
+    """Return the reduced model of each inertial axis."""
+    return {axis: reduced(axis, model[axis], rule) for axis in AXES}
+
+
+def by_triad(axes: Mapping[str, Reduced], rule: Rule) -> dict[str, Reduced]:
+    """Return one reduced model for the three axes of each kind of sensor."""
+    return {kind: combined((axes[axis] for axis in own), rule.triad) for kind, own in TRIADS.items()}
 
 
 def left_out(model: AxisModel, held: tuple[type[Effect], ...] = ()) -> list[Effect]:

@@ -34,9 +34,10 @@ from imugap.interchange.conventions import (
     Reduced,
     Rule,
     Triad,
-    combined,
+    by_triad,
     left_out,
     reduced,
+    reduced_axes,
 )
 from imugap.interchange.limits import Limits, ends_text
 from imugap.interchange.limits import combined as combined_limits
@@ -44,7 +45,6 @@ from imugap.interchange.omissions import Distance, Omission, costs
 from imugap.interchange.simulator_files import (
     Simulator,
     Written,
-    by_triad,
     gauss_markov_of_axis,
     number,
     parameters,
@@ -199,7 +199,7 @@ def _written(
     if target in WRITERS:
         notes, lines = WRITERS[target](model, rule, Known(bounds, limits))
     else:
-        simulator, axes = SIMULATORS[target], _reduced(model, rule)
+        simulator, axes = SIMULATORS[target], reduced_axes(model, rule)
         own, lines = simulator.write(model, axes, rule)
         notes = [*_head(model, simulator.convention, rule, simulator.processes(axes, rule)), *own]
     return [*_of_bounds(bounds), *notes], lines
@@ -243,7 +243,7 @@ def _per_triad(
     model: ErrorModel, convention: Convention, rule: Rule, known: Known, target: Target, reason: str
 ) -> Written:
     """Return notes and lines for a tool with one white noise and one random walk for each triad."""
-    axes = _reduced(model, rule)
+    axes = reduced_axes(model, rule)
     triads = by_triad(axes, rule)
     for kind, one in triads.items():
         if not one.walk:
@@ -269,7 +269,8 @@ def _per_triad(
 
 def _lines_of_triad(parameter: Parameter, kind: str, model: ErrorModel, rule: Rule, known: Known) -> list[str]:
     """Return the line of a number for three axes with what is known of it, and of a walk what the horizon changes."""
-    at = {time: _triad(kind, model, replace(rule, horizon=time)) for time in (rule.horizon, *HORIZONS)}
+    rules = (replace(rule, horizon=time) for time in (rule.horizon, *HORIZONS))
+    at = {one.horizon: by_triad(reduced_axes(model, one), one)[kind] for one in rules}
     value = number(_shown(parameter, at[rule.horizon], rule))
     said = [parameter.unit, parameter.meaning, known.unseen(parameter, kind)]
     own = log.TRIADS[kind]
@@ -283,13 +284,8 @@ def _lines_of_triad(parameter: Parameter, kind: str, model: ErrorModel, rule: Ru
     return [line] if constant else [line, f"#   with another horizon: {', '.join(others)}"]
 
 
-def _triad(kind: str, model: ErrorModel, rule: Rule) -> Reduced:
-    """Return one reduced model for the three axes of a sensor."""
-    return combined((reduced(axis, model[axis], rule) for axis in log.TRIADS[kind]), rule.triad)
-
-
 def _ros(model: ErrorModel, rule: Rule, known: Known) -> Written:
-    axes = _reduced(model, rule)
+    axes = reduced_axes(model, rule)
     lines = [f"orientation_covariance: [-1.0, {', '.join(8 * ['0.0'])}]  # no estimate of the orientation"]
     for kind, (parameter,) in parameters(ROS).items():
         diagonal = np.diag([parameter.value(axes[axis], rule) for axis in log.TRIADS[kind]]).ravel()
@@ -304,7 +300,7 @@ def _ros(model: ErrorModel, rule: Rule, known: Known) -> Written:
 
 def _kf_gins(model: ErrorModel, rule: Rule, known: Known) -> Written:
     rule = replace(rule, correlation_time=rule.correlation_time or HOUR)
-    axes = _reduced(model, rule)
+    axes = reduced_axes(model, rule)
     rows = {}
     for kind, some in parameters(KF_GINS).items():
         for one in some:
@@ -392,10 +388,6 @@ def _of_bounds(bounds: Mapping[str, Sequence[Effect]]) -> list[str]:
         for axis, effects in bounds.items() for effect in effects
     ]  # fmt: skip
     return [*notes, "The log shows no such process there; a longer log lowers the bound."] if notes else []
-
-
-def _reduced(model: ErrorModel, rule: Rule) -> dict[str, Reduced]:
-    return {axis: reduced(axis, model[axis], rule) for axis in log.AXES}
 
 
 def _left_out(

@@ -32,7 +32,7 @@ from imugap.interchange.conventions import (
     Parameter,
     Reduced,
     Rule,
-    combined,
+    by_triad,
 )
 from imugap.log import TRIADS
 from imugap.model import ErrorModel
@@ -76,11 +76,6 @@ class Simulator:
 def parameters(convention: Convention) -> dict[str, tuple[Parameter, ...]]:
     """Return the parameters of a convention by kind of sensor."""
     return {"gyro": convention.gyro, "accel": convention.accel}
-
-
-def by_triad(axes: Axes, rule: Rule) -> dict[str, Reduced]:
-    """Return one reduced model for the three axes of each sensor."""
-    return {kind: combined((axes[axis] for axis in own), rule.triad) for kind, own in TRIADS.items()}
 
 
 def number(value: float) -> str:

@@ -13,6 +13,7 @@ import pandas as pd
 
 from imugap.kinematics.strapdown import VELOCITY, Ellipsoid
 from imugap.log import TIME, LogError
+from imugap.numerics.rotation import wrap
 
 PLACE = ("latitude", "longitude", "height")
 PLACE_STD = ("sd_n", "sd_e", "sd_d")
@@ -79,7 +80,7 @@ def local(fixes: pd.DataFrame, ellipsoid: Ellipsoid) -> np.ndarray:
     """Return the :data:`COMPONENTS` of the fixes relative to ``ellipsoid``, shape (n, 6); NaN if missing."""
     _, _, metres_north, metres_east = ellipsoid.origin
     place = fixes[list(PLACE)].to_numpy() - [ellipsoid.latitude, ellipsoid.longitude, ellipsoid.height]
-    place[:, 1] = np.remainder(place[:, 1] + np.pi, 2 * np.pi) - np.pi
+    place[:, 1] = wrap(place[:, 1])
     velocity = [fixes[name].to_numpy() if name in fixes else np.full(len(fixes), np.nan) for name in VELOCITY]
     return np.column_stack([place * [metres_north, metres_east, -1.0], *velocity])
 

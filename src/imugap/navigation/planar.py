@@ -18,6 +18,7 @@ from imugap.effects import Conditions, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.interchange.augmentation import Chain, augmentation, residual
 from imugap.interchange.datasheet import DataSheet, Slow
+from imugap.numerics.rotation import wrap
 from imugap.numerics.small_matrix import invert
 from imugap.numerics.state_space import StateSpace
 from imugap.stream import stream
@@ -334,7 +335,7 @@ def _filter(
             sensors = sensors + correction[5:]
             covariance = update_covariance(covariance, gain, variance)
         error = np.concatenate((state, output @ sensors)) - truth[epoch]
-        error[4] = (error[4] + np.pi) % (2 * np.pi) - np.pi
+        error[4] = wrap(error[4])
         spread = shown @ covariance @ shown.T
         errors[epoch], variances[epoch] = error, np.diag(spread)
         nees[epoch, 0] = error[:5] @ invert(spread[:5, :5])[0] @ error[:5]
