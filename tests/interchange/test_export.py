@@ -29,7 +29,7 @@ from imugap.effects import (
 )
 from imugap.effects.effect import AxisModel
 from imugap.interchange.conventions import Rule, Triad
-from imugap.interchange.export import PROGRAMS, Target, export, held, notes, omitted
+from imugap.interchange.export import PROGRAMS, Target, also_kept, export, notes, omitted
 from imugap.interchange.omissions import cost
 from imugap.model import ErrorModel
 from imugap.units import to_si
@@ -176,7 +176,7 @@ def test_what_is_left_out_is_said(target):
     text, said = written(model, target), "\n".join(omitted(model, target, RULE))
     for one in (text, said):
         assert "gyro_x quantization (q 2.000000e-06): no Allan deviation at rest changes by more than 1%" in one
-        assert ("accel_z resolution (step 1.000000e-04)" in one) == (not held(target))
+        assert ("accel_z resolution (step 1.000000e-04)" in one) == (not also_kept(target))
     assert text.count("Left out: ") == len(said.splitlines())
 
 

@@ -10,7 +10,6 @@ from imugap.discovery.inputs import MIN_SAMPLES
 from imugap.discovery.preparation.shocks import common_shocks
 from imugap.effects.timestamp_jitter import TimestampJitter
 from imugap.estimation.indices import INDICES, shortest
-from imugap.estimation.log_length import DEVIATIONS
 from imugap.estimation.model_selection import SHORTEST
 from imugap.integrity import rest
 from imugap.integrity.regular import Fault, Regular, Remark, powered, without_power
@@ -18,6 +17,7 @@ from imugap.integrity.report import Axis, Report, Shock, report
 from imugap.integrity.timestamps import stamps
 from imugap.io.recording import Recording
 from imugap.log import ACCEL, axes
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 from imugap.numerics.samples.runs import runs_of
 from imugap.units import STANDARD_GRAVITY
 
@@ -285,7 +285,7 @@ def _determined(duration: float, interval: float) -> str:
     Of n values a deviation is known to 1/sqrt(2 n). White noise has one for each sample, and a process with the
     correlation exp(-t/T) one for each T, as far as its variance goes.
     """
-    white = DEVIATIONS / np.sqrt(2 * duration / interval)
-    longest = [2 * duration * (width / DEVIATIONS) ** 2 for width in WIDTHS]
+    white = NORMAL_QUANTILE / np.sqrt(2 * duration / interval)
+    longest = [2 * duration * (width / NORMAL_QUANTILE) ** 2 for width in WIDTHS]
     slow = (f"{100 * width:g} % up to {float(f'{time:.2g}'):g} s" for width, time in zip(WIDTHS, longest, strict=True))
     return f"gives white noise to {100 * white:.2g} %, slow processes to {' and '.join(slow)} of correlation time"

@@ -9,12 +9,13 @@ from threadpoolctl import threadpool_limits
 from imugap.discovery.axis import AxisResult, AxisSearch, conclude, search_axis
 from imugap.discovery.checks.motion import OTHER_FUNCTION
 from imugap.discovery.finding import Finding, Interval
-from imugap.discovery.search.intervals import NORMAL_QUANTILE, axis_unit
+from imugap.discovery.search.intervals import axis_unit
 from imugap.discovery.search.noise_agreement import agreed
 from imugap.discovery.search.search import log_p_of_gain
 from imugap.discovery.search.shared_effects import Joint, joined
 from imugap.discovery.steps import StepCounter, of_each_axis
 from imugap.effects.effect import Effect
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 
 
 def search_each(

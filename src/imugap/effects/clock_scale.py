@@ -8,10 +8,8 @@ import pandas as pd
 
 from imugap.effects.block import Block
 from imugap.effects.effect import TINY, ClockEffect, Evidence, parameter
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 from imugap.numerics.samples.chi_square import log_tail
-
-NORMAL = 1.959963984540054
-"""Standard deviations of a two-sided interval of 95 %."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +31,7 @@ class ClockScale(ClockEffect):
     @classmethod
     def between(cls, log_interval: float, std: float) -> Evidence:
         """Return the estimate from two runs: logarithm of the true over the stamped interval, and its deviation."""
-        ratio, *ends = (float(np.exp(-log_interval + side * NORMAL * std)) for side in (0, -1, 1))
+        ratio, *ends = (float(np.exp(-log_interval + side * NORMAL_QUANTILE * std)) for side in (0, -1, 1))
         log_p = log_tail((log_interval / std) ** 2, 1)
         return Evidence(cls(ratio), {"ratio": tuple(ends)}, log_p, np.zeros(0, bool))
 

@@ -11,6 +11,7 @@ from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Distribution, parameter
 from imugap.effects.white_noise import WhiteNoise
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 from imugap.numerics.samples.white_samples import MAX_LEFT, WhiteSamples, two_sided_log_p
 
 MOST = 3.0
@@ -57,7 +58,7 @@ class SkewedNoise(WhiteNoise):
             return None
         if samples.left_by(partial(_law, skewness=skewness * samples.share**3)) > MAX_LEFT:
             return None
-        error, score = 1.96 * samples.skewness_error, samples.skewness_score
+        error, score = NORMAL_QUANTILE * samples.skewness_error, samples.skewness_score
         ends = max(float(skewness - error), -MOST), min(float(skewness + error), MOST)
         return Distribution(cls(density, skewness), {"skewness": ends}, two_sided_log_p(score), score**2 / 2)
 

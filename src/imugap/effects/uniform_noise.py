@@ -11,6 +11,7 @@ from imugap.effects.block import Block, sqrt
 from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import Distribution, Transform, parameter
 from imugap.effects.white_noise import WhiteNoise
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 from imugap.numerics.samples.skipped_draws import skipped
 from imugap.numerics.samples.white_samples import MAX_LEFT, NORMAL_KURTOSIS, WhiteSamples, two_sided_log_p
 
@@ -65,7 +66,7 @@ class UniformNoise(WhiteNoise):
         share = _share(samples.kurtosis)
         if samples.left_by(partial(_law, share=min(share * samples.share**2, 1.0))) > MAX_LEFT:
             return None
-        ends = (_share(samples.kurtosis + side * 1.96 * samples.kurtosis_error) for side in (1, -1))
+        ends = (_share(samples.kurtosis + side * NORMAL_QUANTILE * samples.kurtosis_error) for side in (1, -1))
         score = samples.kurtosis_score
         effect = cls(density, min(share, 1.0))
         return Distribution(

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from math import inf, isfinite
 
 import numpy as np
-from scipy.special import ndtri
 
 from imugap.effects import Quantization, WhiteNoise
 from imugap.estimation.cramer_rao import fisher
@@ -13,11 +12,10 @@ from imugap.estimation.likelihood import Grid, parameters
 from imugap.estimation.report import AxisEstimate
 from imugap.estimation.result import ParameterEstimate
 from imugap.log import GYRO
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 
 NARROW = 0.1
 """Half width of an interval over its value that is narrow."""
-DEVIATIONS = float(ndtri(0.975))
-"""Half width of a 95 % interval in standard deviations."""
 STEPS = 8
 """Most corrections of a length; with the root of the length the first one is exact."""
 CLOSE = 0.02
@@ -60,7 +58,7 @@ def _width(estimate: AxisEstimate, parameter: ParameterEstimate, direction: np.n
     used = estimate.used
     count = float(len(used.values))
     now = (parameter.high - parameter.low) / (2 * parameter.value) if parameter.low > 0 else inf
-    target = _error(estimate, direction, count) * NARROW / now if isfinite(now) else NARROW / DEVIATIONS
+    target = _error(estimate, direction, count) * NARROW / now if isfinite(now) else NARROW / NORMAL_QUANTILE
     length = count
     for _ in range(STEPS):
         before, length = length, length * (_error(estimate, direction, length) / target) ** 2

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from math import exp
 
 import numpy as np
-from scipy.special import ndtri
 
 from imugap.effects import RateRamp
 from imugap.effects.effect import AxisModel, Effect
@@ -14,6 +13,7 @@ from imugap.estimation.report import AxisEstimate
 from imugap.estimation.result import ParameterEstimate
 from imugap.interchange.conventions import Rule, reduced
 from imugap.interchange.limits import Limits
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 
 STEP = 1e-4
 """Change of a log parameter in a difference quotient."""
@@ -21,7 +21,6 @@ MOVES = 1e-6
 """Change of the logarithm of a number, per that of a parameter, above which it depends on it."""
 UNKNOWN = 1e-12
 """Information that keeps the matrix of parameters which the log does not separate invertible."""
-LEVEL = 0.95
 
 
 def of(estimate: AxisEstimate, bounds: Sequence[Effect], rule: Rule) -> Limits:
@@ -74,7 +73,7 @@ def _ends(slope: np.ndarray, own: Sequence[ParameterEstimate], estimate: AxisEst
     if len(moved) == 1:
         one, power = own[moved[0]], slope[moved[0]]
         return (one.low / one.value) ** power, (one.high / one.value) ** power
-    reach = float(ndtri((1 + LEVEL) / 2) * np.sqrt(slope @ _covariance(estimate) @ slope))
+    reach = float(NORMAL_QUANTILE * np.sqrt(slope @ _covariance(estimate) @ slope))
     return exp(-reach), exp(reach)
 
 

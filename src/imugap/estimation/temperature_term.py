@@ -18,6 +18,7 @@ from imugap.effects.temperature import LAWS
 from imugap.estimation.model_selection import Choice, penalty
 from imugap.estimation.result import Identifiability, ParameterEstimate
 from imugap.integrity.thermometer import smoothed
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 
 SPAN = 0.1
 """Least change of the temperature over a log that is considered [degC]."""
@@ -25,7 +26,6 @@ WORTH = 3.0
 """Gain of log-likelihood over the processes selected without temperature, from which the term is tried."""
 MARGIN = 4.0
 """Gain of the criterion from which the term is kept: temperature and bias both drift, and may agree by chance."""
-NORMAL = 1.959964
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +128,7 @@ def _estimates(
     law: tuple[str, ...], coefficients: np.ndarray, covariance: np.ndarray, reference: float
 ) -> Iterator[ParameterEstimate]:
     for name, value, error in zip(law, coefficients.tolist(), np.sqrt(np.diag(covariance)).tolist(), strict=True):
-        low, high = value - NORMAL * error, value + NORMAL * error
+        low, high = value - NORMAL_QUANTILE * error, value + NORMAL_QUANTILE * error
         known = Identifiability.IDENTIFIED if low * high > 0 else Identifiability.UPPER_BOUND
         yield ParameterEstimate(Temperature.name, 1, name, value, low, high, error / abs(value), known)
     fixed = Identifiability.IDENTIFIED

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, StrMethodFormatter
 
 from imugap.figures.style import AXIS_TITLES, allan_label, allan_unit, card, label_lowest, legend_below, panels_of
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 from imugap.units import from_si
 
 TITLES = {
@@ -199,7 +200,7 @@ def goodness(table: pd.DataFrame) -> Figure:
     figure, grid = panels_of(-(-len(axes) // 3), 3, 2.1 * -(-len(axes) // 3), sharex=True, sharey=True)
     for axis, panel in zip(axes, grid.flat, strict=False):
         one = table[table["axis"] == axis]
-        low, high = (np.maximum(1 + sign * 1.96 * one["error"], 1e-2) for sign in (-1, 1))
+        low, high = (np.maximum(1 + sign * NORMAL_QUANTILE * one["error"], 1e-2) for sign in (-1, 1))
         panel.fill_between(one["tau"], low, high, color="#cccccc", lw=0, label="95 % under the model")
         panel.plot(one["tau"], one["ratio"], color="#D55E00", marker=".", label="device / model")
         panel.axhline(1, color="black", lw=0.6)

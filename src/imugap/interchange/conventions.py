@@ -147,9 +147,9 @@ def by_triad(axes: Mapping[str, Reduced], rule: Rule) -> dict[str, Reduced]:
     return {kind: combined((axes[axis] for axis in own), rule.triad) for kind, own in TRIADS.items()}
 
 
-def left_out(model: AxisModel, held: tuple[type[Effect], ...] = ()) -> list[Effect]:
-    """Return the effects that a tool does not represent, where it holds some kinds beside those of all tools."""
-    return [effect for effect in model if not isinstance(effect, (*KEPT, *held))]
+def left_out(model: AxisModel, also_kept: tuple[type[Effect], ...] = ()) -> list[Effect]:
+    """Return the effects that a tool does not represent, where it keeps some kinds beside those of all tools."""
+    return [effect for effect in model if not isinstance(effect, (*KEPT, *also_kept))]
 
 
 def _of(model: AxisModel, kind: type | tuple[type, ...]) -> list:

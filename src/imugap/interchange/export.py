@@ -144,10 +144,10 @@ def exported(
     if target in PROGRAMS:
         return ExportedFile(program(model, PROGRAMS[target], rule.rate), tuple(omitted(model, target, rule)))
     if target is Target.IMUGAP:
-        return ExportedFile(_own(model, rule), ())
-    own, lines = _written(model, target, rule, bounds, limits)
+        return ExportedFile(_imugap(model, rule), ())
+    notes, lines = _written(model, target, rule, bounds, limits)
     lacking = tuple(omitted(model, target, rule, distance))
-    said = (*remarks, *own, *(f"Left out: {one}" for one in lacking))
+    said = (*remarks, *notes, *(f"Left out: {one}" for one in lacking))
     comment = _comment(target)
     if comment is None:
         return ExportedFile("\n".join(lines) + "\n", lacking, said)
@@ -174,16 +174,18 @@ def _comment(target: Target) -> str | None:
     return SIMULATORS[target].comment if target in SIMULATORS else "# {}"
 
 
-def held(target: Target) -> tuple[type[Effect], ...]:
-    """Return the effects that a target holds apart from those that all do."""
-    return SIMULATORS[target].held if target in SIMULATORS else ()
+def also_kept(target: Target) -> tuple[type[Effect], ...]:
+    """Return the effects that a target keeps beside those that every target keeps."""
+    return SIMULATORS[target].also_kept if target in SIMULATORS else ()
 
 
 def omitted(model: ErrorModel, target: Target, rule: Rule, distance: Distance | None = None) -> list[str]:
     """Return what the file for a target leaves out, with the size of each effect and what it costs."""
     if target in PROGRAMS:
         return [f"{effect}, which has no form sample by sample" for effect in without_form(model, 1 / rule.rate)]
-    return [] if target is Target.IMUGAP else [one.sentence() for one in _left_out(model, held(target), rule, distance)]
+    if target is Target.IMUGAP:
+        return []
+    return [one.sentence() for one in _left_out(model, also_kept(target), rule, distance)]
 
 
 def _written(
@@ -197,7 +199,7 @@ def _written(
     model = ErrorModel({axis: AxisModel((*one, *bounds.get(axis, ()))) for axis, one in model.axes.items()})
     model = model.require_axes("model")
     if target in WRITERS:
-        notes, lines = WRITERS[target](model, rule, Known(bounds, limits))
+        notes, lines = WRITERS[target](model, rule, LogEvidence(bounds, limits))
     else:
         simulator, axes = SIMULATORS[target], reduced_axes(model, rule)
         own, lines = simulator.write(model, axes, rule)
@@ -206,7 +208,7 @@ def _written(
 
 
 @dataclass(frozen=True)
-class Known:
+class LogEvidence:
     """What the log of a model determines: processes that it only bounds, and limits of the reduced model, by axis."""
 
     bounds: Mapping[str, Sequence[Effect]]
@@ -222,15 +224,15 @@ class Known:
         return "upper bound" + ("" if len(axes) == len(own) else f" on {', '.join(axes)}") + ": the log shows none"
 
 
-def _kalibr(model: ErrorModel, rule: Rule, known: Known) -> Written:
-    notes, lines = _per_triad(model, KALIBR, rule, known, Target.KALIBR, "Kalibr refuses a random walk of 0")
+def _kalibr(model: ErrorModel, rule: Rule, evidence: LogEvidence) -> Written:
+    notes, lines = _per_triad(model, KALIBR, rule, evidence, Target.KALIBR, "Kalibr refuses a random walk of 0")
     lines += [f"rostopic: {rule.topic or '/imu0  # set to yours'}", f"update_rate: {round(float(rule.rate), 4)}  # Hz"]
     return notes, lines
 
 
-def _vins(model: ErrorModel, rule: Rule, known: Known) -> Written:
+def _vins(model: ErrorModel, rule: Rule, evidence: LogEvidence) -> Written:
     reason = "with a random walk of 0 the covariance of VINS has no inverse"
-    notes, lines = _per_triad(model, VINS, rule, known, Target.VINS, reason)
+    notes, lines = _per_triad(model, VINS, rule, evidence, Target.VINS, reason)
     notes += [
         f"Valid at {rule.rate:g} Hz only: VINS takes the numbers per sample.",
         "acc_n and gyr_n hold a factor sqrt(2): VINS takes the two samples of its midpoint rule for independent of",
@@ -240,7 +242,7 @@ def _vins(model: ErrorModel, rule: Rule, known: Known) -> Written:
 
 
 def _per_triad(
-    model: ErrorModel, convention: Convention, rule: Rule, known: Known, target: Target, reason: str
+    model: ErrorModel, convention: Convention, rule: Rule, evidence: LogEvidence, target: Target, reason: str
 ) -> Written:
     """Return notes and lines for a tool with one white noise and one random walk for each triad."""
     axes = reduced_axes(model, rule)
@@ -255,7 +257,7 @@ def _per_triad(
         line
         for kind, some in parameters(convention).items()
         for one in some
-        for line in _lines_of_triad(one, kind, model, rule, known)
+        for line in _lines_of_triad(one, kind, model, rule, evidence)
     ]
     notes = [
         *_head(model, convention, rule, random_walk_of_triad(axes, rule)),
@@ -267,16 +269,16 @@ def _per_triad(
     return notes, lines
 
 
-def _lines_of_triad(parameter: Parameter, kind: str, model: ErrorModel, rule: Rule, known: Known) -> list[str]:
+def _lines_of_triad(parameter: Parameter, kind: str, model: ErrorModel, rule: Rule, evidence: LogEvidence) -> list[str]:
     """Return the line of a number for three axes with what is known of it, and of a walk what the horizon changes."""
     rules = (replace(rule, horizon=time) for time in (rule.horizon, *HORIZONS))
     at = {one.horizon: by_triad(reduced_axes(model, one), one)[kind] for one in rules}
     value = number(_shown(parameter, at[rule.horizon], rule))
-    said = [parameter.unit, parameter.meaning, known.unseen(parameter, kind)]
+    said = [parameter.unit, parameter.meaning, evidence.unseen(parameter, kind)]
     own = log.TRIADS[kind]
-    if set(own) <= set(known.limits):
+    if set(own) <= set(evidence.limits):
         axes = [reduced(axis, model[axis], rule) for axis in own]
-        interval = combined_limits(axes, [known.limits[axis] for axis in own], rule.triad).interval(parameter, rule)
+        interval = combined_limits(axes, [evidence.limits[axis] for axis in own], rule.triad).interval(parameter, rule)
         said.append(interval and f"95 %: {ends_text(*(from_si(one, parameter.unit) for one in interval))}")
     line = f"{parameter.name}: {value}  # {', '.join(filter(None, said))}"
     others = [f"{_shown(parameter, at[time], rule):.2e} at {time:g} s" for time in HORIZONS]
@@ -284,7 +286,7 @@ def _lines_of_triad(parameter: Parameter, kind: str, model: ErrorModel, rule: Ru
     return [line] if constant else [line, f"#   with another horizon: {', '.join(others)}"]
 
 
-def _ros(model: ErrorModel, rule: Rule, known: Known) -> Written:
+def _ros(model: ErrorModel, rule: Rule, evidence: LogEvidence) -> Written:
     axes = reduced_axes(model, rule)
     lines = [f"orientation_covariance: [-1.0, {', '.join(8 * ['0.0'])}]  # no estimate of the orientation"]
     for kind, (parameter,) in parameters(ROS).items():
@@ -298,7 +300,7 @@ def _ros(model: ErrorModel, rule: Rule, known: Known) -> Written:
     return notes, lines
 
 
-def _kf_gins(model: ErrorModel, rule: Rule, known: Known) -> Written:
+def _kf_gins(model: ErrorModel, rule: Rule, evidence: LogEvidence) -> Written:
     rule = replace(rule, correlation_time=rule.correlation_time or HOUR)
     axes = reduced_axes(model, rule)
     rows = {}
@@ -321,7 +323,7 @@ def _kf_gins(model: ErrorModel, rule: Rule, known: Known) -> Written:
     return notes, lines
 
 
-def _own(model: ErrorModel, rule: Rule) -> str:
+def _imugap(model: ErrorModel, rule: Rule) -> str:
     """Write the model and, per axis, Phi, Qd, H, Rd of its discrete state space and the covariance at power-on."""
     axes = {}
     for axis, one in model.sensors.items():
@@ -373,7 +375,7 @@ SIMULATORS: Mapping[Target, Simulator] = {
     Target.MATLAB: simulator_files.MATLAB_FILE,
     Target.PEGASUS: simulator_files.PEGASUS_FILE,
 }
-WRITERS: Mapping[Target, Callable[[ErrorModel, Rule, Known], Written]] = {
+WRITERS: Mapping[Target, Callable[[ErrorModel, Rule, LogEvidence], Written]] = {
     Target.KALIBR: _kalibr,
     Target.VINS: _vins,
     Target.ROS: _ros,
@@ -391,13 +393,13 @@ def _of_bounds(bounds: Mapping[str, Sequence[Effect]]) -> list[str]:
 
 
 def _left_out(
-    model: ErrorModel, held: tuple[type[Effect], ...], rule: Rule, distance: Distance | None
+    model: ErrorModel, also_kept: tuple[type[Effect], ...], rule: Rule, distance: Distance | None
 ) -> list[Omission]:
     """Return what a tool leaves out, with its cost, of each axis."""
     longest = 10 * rule.horizon
     return [
         one for axis in log.AXES if axis in model.axes
-        for one in costs(axis, model[axis], left_out(model[axis], held), 1 / rule.rate, longest, distance)
+        for one in costs(axis, model[axis], left_out(model[axis], also_kept), 1 / rule.rate, longest, distance)
     ]  # fmt: skip
 
 

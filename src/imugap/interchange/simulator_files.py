@@ -60,8 +60,8 @@ class Simulator:
         Function (model, reduced axes, rule) that returns notes and lines.
     processes
         Function (reduced axes, rule) that returns the processes of each axis that stand for those of the model.
-    held
-        Effects that it holds apart from these.
+    also_kept
+        Effects that it keeps beside these.
     comment
         Form of a comment; None for a format without comments.
     """
@@ -69,7 +69,7 @@ class Simulator:
     convention: Convention
     write: Callable[[ErrorModel, Axes, Rule], Written]
     processes: Callable[[Axes, Rule], Mapping[str, Sequence[Effect]]]
-    held: tuple[type[Effect], ...] = ()
+    also_kept: tuple[type[Effect], ...] = ()
     comment: str | None = "# {}"
 
 

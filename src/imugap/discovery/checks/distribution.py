@@ -11,7 +11,7 @@ import numpy as np
 from scipy.stats import kurtosis, kurtosistest, norm
 
 from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.search.intervals import NORMAL_QUANTILE
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 
 NORMAL = 3.0
 """Kurtosis of a normal distribution."""

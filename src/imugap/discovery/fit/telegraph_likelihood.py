@@ -20,6 +20,7 @@ from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import GaussMarkov, RandomTelegraph
 from imugap.effects.effect import StochasticEffect, VarianceEffect
 from imugap.numerics.fitting.bhhh import Maximum, maximise
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 
 BLOCKS_PER_TIME = 48
 """Blocks per correlation time, as far as the filter lets a step be over within one."""
@@ -153,7 +154,7 @@ class TelegraphComparison:
         """Return the 95 % intervals of its step and rate."""
         top = self._measured
         error = errors(self._parted, top)
-        ends = [[_positive(top[i] + side * 1.96 * error[i]) for side in (-1, 1)] for i in (0, 1)]
+        ends = [[_positive(top[i] + side * NORMAL_QUANTILE * error[i]) for side in (-1, 1)] for i in (0, 1)]
         return tuple(ends[0]), tuple(ends[1])
 
     @cached_property

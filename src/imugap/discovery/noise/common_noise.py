@@ -14,6 +14,7 @@ from imugap.discovery.finding import Finding, Interval
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.effects import CommonMode, WhiteNoise
 from imugap.effects.effect import TINY
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 from imugap.numerics.samples.white_samples import two_sided_log_p
 
 MIN_INFORMATION = 1e-9
@@ -58,15 +59,15 @@ class CommonNoise:
         """Return a finding with one density and a loading for each axis."""
         density, error = abs(float(self.densities[0])), float(self.errors[0])
         low, high = self._open
-        parameters = {
-            "density": Interval(density, max(low * density - 1.96 * error, 0.0), high * density + 1.96 * error, unit)
-        }
+        reach = NORMAL_QUANTILE * error
+        parameters = {"density": Interval(density, max(low * density - reach, 0.0), high * density + reach, unit)}
         effects = {}
         for axis, size, spread in zip(self.axes, self.densities, self.errors, strict=True):
             loading, first = float(size / density), axis == self.axes[0]
             relative = 0.0 if first else float(np.hypot(spread / density, loading * error / density))
+            margin = NORMAL_QUANTILE * relative
             ends = (loading, loading) if first else sorted((loading / high**2, loading / low**2))
-            parameters[f"loading_{axis}"] = Interval(loading, ends[0] - 1.96 * relative, ends[1] + 1.96 * relative, "1")
+            parameters[f"loading_{axis}"] = Interval(loading, ends[0] - margin, ends[1] + margin, "1")
             effects[axis] = CommonMode(density, loading)
         return Finding(effects, parameters, self.log_p)
 

@@ -11,11 +11,12 @@ from imugap.discovery.finding import Finding, Interval, finding
 from imugap.discovery.fit.axis_fit import AxisFit, fit, jacobian, offset
 from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.intervals import NORMAL_QUANTILE, axis_unit, term_intervals
+from imugap.discovery.search.intervals import axis_unit, term_intervals
 from imugap.effects import CATALOGUE
 from imugap.effects.effect import Effect, Role, StochasticEffect
 from imugap.integrity.sampling_clock import BLOCKS, SHORTEST, relative_interval, spectra
 from imugap.log import TIME, from_samples
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 
 WALK_CUTOFF, STATIONARY_CUTOFF = 0.1049769, 1e-7
 """Lower limits [periods per run] of the variance integral of a mean: of noise that starts with the run, and stationary.

@@ -12,9 +12,10 @@ import numpy as np
 from imugap.discovery.finding import MIN_LOG_P, Finding, Interval, Rival
 from imugap.discovery.fit.axis_fit import AxisFit, fit, jacobian
 from imugap.discovery.fit.description import Entry
-from imugap.discovery.search.intervals import NORMAL_QUANTILE, axis_unit
+from imugap.discovery.search.intervals import axis_unit
 from imugap.discovery.search.search import Trial, entry_of
 from imugap.effects.effect import Start
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 
 MAX_STEPS = 12
 """Maximum number of steps of Gauss and Newton."""

@@ -9,9 +9,8 @@ from imugap.discovery.finding import Interval
 from imugap.discovery.fit.axis_fit import AxisFit, fit
 from imugap.effects.effect import Effect, Role
 from imugap.log import GYRO
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 
-NORMAL_QUANTILE = 1.959963984540054
-"""Quantile of the normal law for 95 %, two-sided."""
 MAX_GAIN_DROP = 3.676
 """Drop of log-likelihood at the ends of a 95 % interval of the place of a change.
 

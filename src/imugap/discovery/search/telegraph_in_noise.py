@@ -14,11 +14,11 @@ from numba import njit
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.telegraph_likelihood import GAUSSIANS, Blocks, compare, errors, filtered, uneven
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.intervals import NORMAL_QUANTILE
 from imugap.discovery.search.search import log_p_of_gain
 from imugap.effects import RandomTelegraph
 from imugap.effects.effect import StochasticEffect
 from imugap.numerics.fitting.bhhh import maximise
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 from imugap.stream import stream
 
 TIME_FACTORS = (1.0, 5.0)

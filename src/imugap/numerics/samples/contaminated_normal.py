@@ -7,6 +7,7 @@ import numpy as np
 from scipy.fft import next_fast_len, rfft
 from scipy.special import expit, logit, pdtrc
 
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 from imugap.numerics.samples.chi_square import log_tail
 
 STARTS = ((1e-4, 20.0), (1e-3, 8.0), (1e-2, 4.0), (0.1, 2.0))
@@ -201,5 +202,6 @@ def ends(cost: Callable[[np.ndarray], float], top: np.ndarray) -> tuple[np.ndarr
         ]
         for a in units
     ]
-    error = 1.96 * np.sqrt(np.abs(np.diag(np.linalg.pinv(np.array(hessian), hermitian=True)))).clip(max=MAX_LOG_STD)
-    return top - error, top + error
+    variances = np.abs(np.diag(np.linalg.pinv(np.array(hessian), hermitian=True)))
+    reach = NORMAL_QUANTILE * np.sqrt(variances).clip(max=MAX_LOG_STD)
+    return top - reach, top + reach

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import betaincinv, expit, logit, logsumexp
 
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 from imugap.numerics.samples.skipped_draws import MOST, skipped
 
 NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(9)
@@ -160,7 +161,7 @@ def estimate_from_repeats(
         return None
     starts = [[*plain.x, logit(share), logit(1 / mean)] for share, mean in ((30 / total, 1.5), (3e-3, 5), (3e-3, 50))]
     best = _least(cost, starts)
-    errors = 1.96 * np.sqrt(np.maximum(np.diag(np.linalg.pinv(_curvature(cost, best.x)))[2:], 0.0))
+    errors = NORMAL_QUANTILE * np.sqrt(np.maximum(np.diag(np.linalg.pinv(_curvature(cost, best.x)))[2:], 0.0))
     begin, end = ([float(expit(x + k * e)) for k in (0, -1, 1)] for x, e in zip(best.x[2:], errors, strict=True))
     log_p = -max(float(plain.fun - best.fun), 0.0)
     free = _log_runs(lengths, 0.0, 1.0, *_levels(best.x)) + (lengths + 1) * np.log1p(-begin[0])

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pandas as pd
-from scipy.stats import norm
 
 from imugap.effects.effect import AxisModel
 from imugap.log import axes
 from imugap.model import ErrorModel
 from imugap.numerics.fitting import block_bootstrap as bootstrap
+from imugap.numerics.normal_quantile import NORMAL_QUANTILE
 
 
 def motion_effects(model: ErrorModel) -> ErrorModel:
@@ -59,7 +59,7 @@ def parameter_agreement(found: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for key, one in found.dropna(subset=["low", "high"]).groupby(["name", "axis", "parameter"], sort=False):
         if one["trial"].nunique() > 1:
-            weight = (2 * norm.ppf(0.975) / (one["high"] - one["low"])) ** 2
+            weight = (2 * NORMAL_QUANTILE / (one["high"] - one["low"])) ** 2
             middle = np.average(one["value"], weights=weight)
             factor = np.sqrt(np.sum(weight * (one["value"] - middle) ** 2) / (len(one) - 1))
             rows.append([*key, middle, factor, np.sign(one["value"]).nunique() == 1])
