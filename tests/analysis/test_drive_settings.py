@@ -94,6 +94,7 @@ def test_the_settings_in_use_give_the_same_path_again_and_then_fit(request, tmp_
         np.testing.assert_allclose(other.history.navigation, one.history.navigation, atol=1e-6, rtol=0)
 
 
+@pytest.mark.slow
 def test_a_time_offset_and_a_delay_of_the_velocities_are_found_together(level):  # noqa: F811
     fixes = later(late_velocities(level.fixes(1, SEED)), 0.2)
     found = navigate_drive(RecordedDrive(level.record(1, SEED), fixes, DriveSettings()))

@@ -20,7 +20,7 @@ from scipy.spatial.transform import Rotation
 from tests.hostile import mutations
 
 from imugap import cli, log
-from imugap.analysis import drive
+from imugap.analysis import drive_settings
 from imugap.effects import Bias, WhiteNoise
 from imugap.interchange.devices import catalogue as devices
 from imugap.interchange.export import Target
@@ -174,7 +174,7 @@ def drove(rng):
         fixes_name, changed = _log(fixes, rng)
         others = {fixes_name.replace("log", "fixes"): changed}
     else:
-        schema = yaml.safe_load(drive.SCHEMA.read_text())
+        schema = yaml.safe_load(drive_settings.SCHEMA.read_text())
         text = "model: model.yaml\n" if kind < 0.75 else mutations.configuration_text(schema, rng)
         others |= {"own.yaml": text.encode()} | _model(rng)
         options = ("--config", "own.yaml")
