@@ -96,6 +96,16 @@ def test_it_proposes_itself_where_it_is(begin, end):
     assert start.gain > 60  # 15^2/2 = 112 of a start without error
 
 
+def test_a_grid_in_parts_has_the_same_peak(monkeypatch):
+    """A long log has a grid of gigabytes, of which a part is held at a time."""
+    truth = Chirp(6.0, -3.5 / DURATION, 15 * KNOWN, 1.0)
+    noise = fit(sequence(white(6.0) + truth.sample(conditions(), None)), Description.known(WhiteNoise(1e-4)))
+    (whole,) = Chirp.starts(noise)
+    monkeypatch.setattr("imugap.effects.chirp.GRID", 1)
+    (parts,) = Chirp.starts(noise.without_cache())
+    assert parts == whole
+
+
 @pytest.mark.slow
 def test_the_gain_of_noise_is_seldom_significant():
     """The highest gain of so many trials goes beyond log(trials/share) with the probability share, at most."""

@@ -22,6 +22,8 @@ HIGHEST = 0.48
 REACH, FINER = 2.0, 4
 """Frequencies, and drifts of them over the log, about a track that are searched, in widths of a line in a segment of
 the track; steps per width of a line in the log."""
+GRID = 2**21
+"""Largest number of points of the grid of frequencies and drifts that are held at a time."""
 SLOWEST, SLOW_STEP = 24, 2
 """Drift over the log, in widths of a line, from which on the track of a chirp is seen, and step of the lesser ones."""
 BAND = 64
@@ -174,13 +176,24 @@ def _near(whitened: np.ndarray, begin: float, drift: float, width: int) -> tuple
     means = turned[: blocks * block].reshape(blocks, block).sum(axis=1)
     centre = (np.arange(blocks) + 0.5) * block / count - 0.5
     drifts = np.arange(-width * FINER, width * FINER + 1) / FINER
-    power = np.abs(fft(means * np.exp(-1j * np.pi * drifts[:, None] * centre**2), FINER * blocks, axis=1)) ** 2 / count
     shifts = np.r_[: width * FINER + 1, -width * FINER : 0]
-    row, column = np.unravel_index(np.argmax(power[:, shifts]), (len(drifts), len(shifts)))
-    level = max(float(np.median(power[row, ::FINER])) / EVEN, 1.0)
-    shift = shifts[column] * count / (FINER * blocks * block)
-    gain = float(power[row, shifts[column]]) / level
-    return gain, level, float(begin + shift - drifts[row] / 2), float(drift + drifts[row])
+    highest, best, shift = 0.0, 0, 0
+    parts = min(-(-len(drifts) * FINER * blocks // GRID), len(drifts))
+    for rows in np.array_split(np.arange(len(drifts)), parts):
+        power = _powers(means, centre, drifts[rows])[:, shifts]
+        row, column = np.unravel_index(np.argmax(power), power.shape)
+        if power[row, column] > highest:
+            highest, best, shift = float(power[row, column]), int(rows[row]), int(shifts[column])
+    spectrum = _powers(means, centre, drifts[[best]])[0, ::FINER] / count
+    level = max(float(np.median(spectrum)) / EVEN, 1.0)
+    first = begin + shift * count / (FINER * blocks * block) - drifts[best] / 2
+    return highest / count / level, level, float(first), float(drift + drifts[best])
+
+
+def _powers(means: np.ndarray, centre: np.ndarray, drifts: np.ndarray) -> np.ndarray:
+    """Return the squared spectra of means without a drift each, shape (drifts, FINER * blocks)."""
+    turned = means * np.exp(-1j * np.pi * drifts[:, None] * centre**2)
+    return np.abs(fft(turned, FINER * len(means), axis=1)) ** 2
 
 
 def _step(own, x, now):
