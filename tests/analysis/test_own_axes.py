@@ -37,7 +37,7 @@ def test_gazebo_gets_the_biases_and_the_noise_of_the_axes_of_the_log(case):
         for kind, name in (("gyro", "angular_velocity"), ("accel", "linear_acceleration")) for axis in "xyz"
     }  # fmt: skip
     for axis, bias, density in zip(AXES, (*GYRO_BIAS, *(ACCEL_BIAS * np.asarray(up))), DENSITIES, strict=True):
-        assert read[axis]["bias_mean"] == pytest.approx(bias, abs=1e-3 if axis.startswith("accel") else 1e-4)
+        assert read[axis]["mean"] == pytest.approx(bias, abs=1e-3 if axis.startswith("accel") else 1e-4)
         assert read[axis]["stddev"] == pytest.approx(density * np.sqrt(RATE), rel=0.1)
 
 
@@ -47,6 +47,13 @@ def test_other_tools_get_them_in_the_axes_of_the_model(case):
     z = np.radians(float(line.split("[")[1].split("]")[0].split(",")[2])) / 3600
     expected = {(0, 0, 1): -GYRO_BIAS[2], (1, 0, 0): -GYRO_BIAS[0], (0, 0, -1): GYRO_BIAS[2]}[up]
     assert z == pytest.approx(expected, abs=1e-4)
+
+
+@pytest.mark.parametrize("target", ["cpp", "python", "genesis", "kf-gins"])
+def test_a_file_in_the_axes_of_the_model_says_which_they_are(case, target):
+    up, fit = case
+    text = fit.export(target)
+    assert ("Axes and the signs of biases: x forward, y right, z down" in text) == (up != (0, 0, -1))
 
 
 def test_the_head_of_the_table_names_the_axes(case):

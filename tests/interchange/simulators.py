@@ -52,13 +52,16 @@ def gazebo(text, axis, rate, count, rng):
     """gazebosim/gz-sensors: src/GaussianNoiseModel.cc (Load, ApplyImpl)."""
     element = "angular_velocity" if axis.startswith("gyro") else "linear_acceleration"
     noise = ET.fromstring(text).find(f"{element}/{axis[-1]}/noise")
-    names = ("stddev", "bias_mean", "bias_stddev", "dynamic_bias_stddev", "dynamic_bias_correlation_time", "precision")
-    std, mean, spread, dynamic, time, precision = (float(noise.findtext(name) or 0) for name in names)
-    bias = (mean + spread * rng.standard_normal()) * rng.choice([-1, 1])
+    names = (
+        "mean", "stddev", "bias_mean", "bias_stddev", "dynamic_bias_stddev", "dynamic_bias_correlation_time",
+        "precision",
+    )  # fmt: skip
+    mean, std, start, spread, dynamic, time, precision = (float(noise.findtext(name) or 0) for name in names)
+    bias = (start + spread * rng.standard_normal()) * rng.choice([-1, 1])
     biases = np.full(count, bias)
     if dynamic > 0 and time > 0:
         biases = _exact(dynamic, time, 1 / rate, count, rng, bias)
-    output = biases + std * rng.standard_normal(count)
+    output = biases + mean + std * rng.standard_normal(count)
     return np.rint(output / precision) * precision if precision > 1e-6 else output
 
 

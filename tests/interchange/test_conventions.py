@@ -118,6 +118,17 @@ def test_kf_gins_takes_milligal_and_hours():
     assert told["corrtime"] * 3600 == pytest.approx(TIME)
 
 
+@pytest.mark.parametrize(
+    ("slow", "expected"),
+    [((RandomWalk(K),), 3e-4), ((GaussMarkov(STD, TIME),), np.hypot(3e-4, STD)), ((BiasInstability(1e-4),), 3e-4)],
+)
+def test_the_spread_at_the_start_is_that_of_the_model_and_not_of_what_replaces_its_slow_part(slow, expected):
+    model = AxisModel((WhiteNoise(N), TurnOnBias(3e-4), Bias(-0.01), *slow))
+    told = numbers(GAZEBO, model)
+    assert told["bias_stddev"] == pytest.approx(expected)
+    assert told["mean"] == -0.01
+
+
 def test_gazebo_draws_the_process_of_the_model():
     """sigma_b sqrt(tau/2 (1 - exp(-2 dt/tau))), phi = exp(-dt/tau) (GaussianNoiseModel.cc)."""
     told = numbers(GAZEBO, MARKOV)

@@ -23,7 +23,7 @@ from imugap.integrity.regular import Regular
 from imugap.interchange.conventions import Rule
 from imugap.interchange.export import PROGRAMS, ExportedFile, Target, exported
 from imugap.interchange.start_bias import start_bias
-from imugap.io.recognition.frame import AS_IS, own_axes
+from imugap.io.recognition.frame import AS_IS, axes_text, own_axes
 from imugap.io.recording import Recording
 from imugap.log import TEMPERATURE
 from imugap.model import ErrorModel
@@ -115,6 +115,8 @@ class LogEstimate:
         if target in OF_ROS and (own := own_axes(self.frame)):
             names, axes = _in_own_axes(axes, own)
             notes.append("Axes and the signs of biases: those of the log.")
+        elif turned := axes_text(self.frame):
+            notes.append(f"Axes and the signs of biases: {turned}.")
         notes = [f"THE MODEL DOES NOT FIT THE LOG of {names[axis]}: {text}" for axis, text in misfits.items()] + notes
         rule = replace(rule, topic=self.topic)
         model, bounds, limits = ({names[axis]: one for axis, one in some.items()} for some in (axes, bounds, limits))

@@ -90,6 +90,9 @@ class Reduced:
         Smallest Allan deviation of the model.
     bias, turn_on
         Fixed bias, and standard deviation from power-on to power-on.
+    start
+        Standard deviation of the bias at power-on, from the turn-on bias and the stationary processes of the model. One
+        that grows, as a random walk, begins at zero; flicker noise adds little.
     """
 
     white: float
@@ -99,6 +102,7 @@ class Reduced:
     floor: float
     bias: float
     turn_on: float
+    start: float
 
 
 def reduced(axis: str, model: AxisModel, rule: Rule) -> Reduced:
@@ -117,6 +121,7 @@ def reduced(axis: str, model: AxisModel, rule: Rule) -> Reduced:
     alone = len(processes) == 1 and isinstance(processes[0], GaussMarkov)
     time = rule.correlation_time or (processes[0].correlation_time if alone else HOUR)
     tau = np.geomspace(1 / rule.rate, LONGEST * rule.horizon, 400)
+    turn_on = hypot(*(effect.std for effect in _of(model, TurnOnBias)))
     return Reduced(
         white=white,
         walk=sqrt(slow / float(RandomWalk(1.0).allan_variance(rule.horizon))),
@@ -124,7 +129,8 @@ def reduced(axis: str, model: AxisModel, rule: Rule) -> Reduced:
         correlation_time=time,
         floor=float(np.sqrt(model.allan_variance(tau).min())),
         bias=sum(effect.value for effect in _of(model, Bias)),
-        turn_on=hypot(*(effect.std for effect in _of(model, TurnOnBias))),
+        turn_on=turn_on,
+        start=hypot(turn_on, *(effect.std for effect in slow_ones if isinstance(effect, GaussMarkov))),
     )
 
 
@@ -210,6 +216,11 @@ def _sample(of: Reduced, rule: Rule) -> float:
 
 
 def _start(of: Reduced, rule: Rule) -> float:
+    return of.start
+
+
+def _open_start(of: Reduced, rule: Rule) -> float:
+    """Return the deviation with which a filter starts the process that it takes for the slow part."""
     return hypot(of.turn_on, of.markov)
 
 
@@ -304,8 +315,8 @@ ROS = Convention(
 def _gazebo(prefix: str, unit: str, driving: str) -> tuple[Parameter, ...]:
     return (
         Parameter(f"{prefix}stddev", "white noise, of a sample", unit, "N/√Δt", _sample),
-        Parameter(f"{prefix}bias_mean", "bias at the start; its sign is drawn", unit, "bias", lambda of, rule: of.bias),
-        Parameter(f"{prefix}bias_stddev", "its spread over runs", unit, "√(σ₀² + σ²)", _start),
+        Parameter(f"{prefix}mean", "bias, in every sample", unit, "bias", lambda of, rule: of.bias),
+        Parameter(f"{prefix}bias_stddev", "bias at the start: its spread over runs", unit, "√(σ₀² + σ²)", _start),
         Parameter(
             f"{prefix}dynamic_bias_stddev", "density of the noise that drives the bias", driving, "σ √(2/T)",
             lambda of, rule: of.markov * sqrt(2 / of.correlation_time),
@@ -356,7 +367,7 @@ def _kf_gins(white: str, slow: str, start: str, bias: str, units: tuple[str, str
     return (
         Parameter(white, "white noise, density", units[0], "N", _white),
         Parameter(slow, "bias, Gauss-Markov: standard deviation", units[1], "σ", _markov),
-        Parameter(start, "bias at the start: standard deviation", units[1], "√(σ₀² + σ²)", _start),
+        Parameter(start, "bias at the start: standard deviation", units[1], "√(σ₀² + σ²)", _open_start),
         Parameter(bias, "bias at the start", units[1], "bias", lambda of, rule: of.bias),
     )
 

@@ -137,12 +137,12 @@ def exported(
     distance
         Distance of a log from simulations without an effect, which is stated of each that is left out; None for none.
     remarks
-        Notes on the model, before all others; a program and the own state space have no place for them.
+        Notes on the model, before all others; the own state space has no place for them.
     limits
         95 % limits of the reduced model of each axis; none where they are not known.
     """
     if target in PROGRAMS:
-        return ExportedFile(program(model, PROGRAMS[target], rule.rate), tuple(omitted(model, target, rule)))
+        return ExportedFile(program(model, PROGRAMS[target], rule.rate, remarks), tuple(omitted(model, target, rule)))
     if target is Target.IMUGAP:
         return ExportedFile(_imugap(model, rule), ())
     notes, lines = _written(model, target, rule, bounds, limits)

@@ -144,7 +144,7 @@ def gazebo(model: ErrorModel, axes: Axes, rule: Rule) -> Written:
     notes = [
         f"Valid at {rule.rate:g} Hz only: stddev is that of a sample.",
         "dynamic_bias_stddev is the density of the driving noise, not the standard deviation of the bias.",
-        "Gazebo draws the sign of the bias, and lets it decay with the correlation time.",
+        "mean is added to every sample. Gazebo would draw the sign of bias_mean, and let it decay.",
     ]
     return notes, [*lines, "</imu>"]
 
@@ -203,8 +203,10 @@ def isaac_lab(model: ErrorModel, axes: Axes, rule: Rule) -> Written:
     """Return the configuration of the noise of observations in Isaac Lab."""
     names = {"gyro": "angular_velocity", "accel": "linear_acceleration"}
     lines = ["from isaaclab.utils.noise import GaussianNoiseCfg, NoiseModelWithAdditiveBiasCfg", ""]
-    triads = by_triad(axes, rule)
+    triads, biases = by_triad(axes, rule), []
     for kind, (white, mean, spread) in parameters(ISAAC_LAB).items():
+        of_axes = ", ".join(_text(axes[axis].bias) for axis in TRIADS[kind])
+        biases.append(f"mean of {names[kind]} is the mean of the biases of x, y and z: {of_axes} {white.unit}.")
         values = [_text(one.value(triads[kind], rule)) for one in (white, mean, spread)]
         lines += [
             f"{names[kind]}_noise = NoiseModelWithAdditiveBiasCfg(",
@@ -212,8 +214,8 @@ def isaac_lab(model: ErrorModel, axes: Axes, rule: Rule) -> Written:
             f"    bias_noise_cfg=GaussianNoiseCfg(mean={values[1]}, std={values[2]}),",
             ")",
         ]
-    notes = [PER_STEP.format(rate=rule.rate), "The bias is constant between resets: there is no slow process."]
-    return notes, lines
+    constant = "The bias is constant between resets: there is no slow process."
+    return [PER_STEP.format(rate=rule.rate), constant, *biases], lines
 
 
 def matlab(model: ErrorModel, axes: Axes, rule: Rule) -> Written:

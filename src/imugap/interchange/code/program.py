@@ -96,8 +96,11 @@ def left_out(model: ErrorModel, interval: float) -> list[str]:
     return [describe(axis, effect) for axis, effect in every if effect.block(interval, axis) is None]
 
 
-def program(model: ErrorModel, language: Language, rate: float) -> str:
-    """Return the source of a program that applies a model to one sample after the other at a rate [Hz]."""
+def program(model: ErrorModel, language: Language, rate: float, remarks: Sequence[str] = ()) -> str:
+    """Return the source of a program that applies a model to one sample after the other at a rate [Hz].
+
+    ``remarks`` are notes on the model, for its head.
+    """
     effects = placed(model, 1 / rate)
     kinds = {one.kind: one for one in effects}
     context = {
@@ -114,6 +117,7 @@ def program(model: ErrorModel, language: Language, rate: float) -> str:
         "ahead": max((one.block.ahead for one in effects), default=0),
         "waiting": sorted({one.effect.name for one in effects if one.block.ahead}),
         "left_out": left_out(model, 1 / rate),
+        "remarks": remarks,
     }
     return ENVIRONMENT.get_template(TEMPLATES[language]).render(context)
 

@@ -109,7 +109,7 @@ def _keys(element: str, rate: float | None) -> tuple[Key, ...]:
         *white,
         ("dynamic_bias_stddev", GaussMarkov, driving_density),
         ("dynamic_bias_correlation_time", GaussMarkov, correlation_time),
-        ("bias_mean", Bias, lambda bias: abs(bias.value)),
+        ("mean", Bias, lambda bias: bias.value),
         ("bias_stddev", TurnOnBias, std),
     )
     known = (Key.of(GAZEBO, f"{element} {name}", kind, si, f"<{name}> of <{element}>") for name, kind, si in every)
