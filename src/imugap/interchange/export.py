@@ -415,7 +415,7 @@ def _head(model: ErrorModel, convention: Convention, rule: Rule, taken: Mapping[
         f"Conventions: {convention.source}.",
         f"A slow process here has the Allan variance of all slow processes of the model at {rule.horizon:g} s.",
         f"Allan deviation here over that of the model, not of the log, {tau[0]:g} to {tau[-1]:g} s. Above 1 the tool",
-        "takes the errors over such a time for larger than they are; below 1 for smaller, and trusts the sensor too much.",
+        "takes the errors over such a time for larger than they are; below 1 for smaller, trusting the sensor too far.",
         *(f"  {axis}: {_range(ratio, tau)}" for axis, ratio in ratios.items()),
     ]
 
