@@ -39,12 +39,18 @@ def test_only_the_bias_along_gravity_is_in_the_model(direction):
     gravity = SensedGravity.of(model, ErrorModel({}), STANDARD_GRAVITY)
     biases = [offset_of(gravity.taken_from(model)[axis]) for axis in log.ACCEL]
     np.testing.assert_allclose(biases, 0.03 * up, atol=1e-12)
-    assert gravity.excess == pytest.approx(0.03)
+    assert gravity.along == pytest.approx(0.03)
 
 
 def test_biases_of_the_start_model_stay_across_gravity():
     gravity = SensedGravity.of(levels(0.2, 0.0, -9.8), levels(0.2, 0.0, 0.0), STANDARD_GRAVITY)
     np.testing.assert_allclose(gravity.biases, [0.2, 0.0, STANDARD_GRAVITY - 9.8], atol=1e-12)
+
+
+def test_the_bias_along_gravity_is_that_of_the_model_and_not_the_rest_beside_the_start_model():
+    gravity = SensedGravity.of(levels(0.0, 0.0, -9.98), levels(0.0, 0.0, 0.1), STANDARD_GRAVITY)
+    assert gravity.along == pytest.approx(9.98 - STANDARD_GRAVITY)
+    assert gravity.biases[2] == pytest.approx(STANDARD_GRAVITY - 9.98)
 
 
 @pytest.mark.parametrize("values", [(0.0, 0.0, 0.02), (0.1, 0.1), (0.0, 0.0, -4.9), ()])
@@ -69,7 +75,7 @@ def test_the_local_gravity_is_taken_where_it_is_given():
     truth = ErrorModel(dict.fromkeys(log.AXES, AxisModel((WhiteNoise(1e-3),))))
     still = truth.simulate(at_rest((0, 0, -1), 9.78), 1, "local")
     found = discover([still], Settings(replicates=20, simulations=10, catalogue=(WhiteNoise,), gravity=9.78))
-    assert found.gravity.excess == pytest.approx(0.0, abs=1e-3)
+    assert found.gravity.along == pytest.approx(0.0, abs=1e-3)
 
 
 @pytest.mark.parametrize("direction", [(0, 0, 1), (1, 0, 0), (0, -1, 0)])

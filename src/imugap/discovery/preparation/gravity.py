@@ -29,14 +29,14 @@ class SensedGravity:
     biases
         Bias of each of them [m/s^2]: that of the start model, and what the size of the level shows along its direction.
         Across it a bias cannot be distinguished from a tilt.
-    excess
-        Size of the level, without the biases of the start model, less gravity [m/s^2].
+    along
+        Component of the biases along the sensed gravity [m/s^2].
     """
 
     size: float
     axes: tuple[str, ...]
     biases: tuple[float, ...]
-    excess: float
+    along: float
 
     @classmethod
     def of(cls, levels: ErrorModel, known: ErrorModel, size: float) -> "SensedGravity | None":
@@ -51,7 +51,7 @@ class SensedGravity:
         if abs(length - size) > MAX_DIFFERENCE * size:
             return None
         biases = before + (length - size) * force / length
-        return cls(size, axes, tuple(biases.tolist()), length - size)
+        return cls(size, axes, tuple(biases.tolist()), float(biases @ force) / length)
 
     def taken_from(self, model: ErrorModel) -> ErrorModel:
         """Return a model whose constant terms are the biases, without gravity."""
@@ -63,6 +63,6 @@ class SensedGravity:
         """Return what was assumed, and what the log does not tell, as text."""
         return (
             f"{', '.join(self.axes)}: the level holds gravity, {self.size:g} m/s^2, which is not in the model. "
-            f"The bias along it is {self.excess:.3g} m/s^2, as uncertain as the gravity of the site (up to "
+            f"The bias along it is {self.along:.3g} m/s^2, as uncertain as the gravity of the site (up to "
             f"{SITE_UNCERTAINTY:g} m/s^2 if not given); across it a bias cannot be distinguished from a tilt."
         )
