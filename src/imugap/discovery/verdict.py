@@ -18,14 +18,22 @@ MAX_LOCATIONS = 12
 
 def verdict(found: Discovery) -> str:
     """Return the verdict as text; that the final model does not fit comes ahead of any name and number."""
-    far = [name for name, one in found.distances.items() if not one.reached]
-    lines = [f"The model does not yet describe the device in {' and '.join(far)}."] if far else []
-    lines += left_out(found)
+    lines = [*far_from_the_log(found), *left_out(found)]
     lines += [_sentence(finding) for finding in found.findings] or [nothing_named(found)]
     lines += remarks(found)
     lines += gap(found)
     lines += [] if found.nameless is None else [found.nameless.sentence()]
     return "\n".join(lines)
+
+
+def far_from_the_log(found: Discovery) -> Iterator[str]:
+    """Yield that the final model does not describe the device, a sentence, where a distance is beyond its floor."""
+    far = [name for name, one in found.distances.items() if not one.reached]
+    if far:
+        yield (
+            "The final model does not yet describe the device: the log is farther from simulations with it than these "
+            f"are from each other, in {' and '.join(far)}."
+        )
 
 
 def agrees(found: Discovery) -> bool:
