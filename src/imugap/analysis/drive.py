@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from imugap.analysis.drive_settings import EULER, DriveSettings
+from imugap.analysis.drive_settings import DriveSettings
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import (
     CLOSED,
@@ -30,6 +30,7 @@ from imugap.io.fixes.course import fast_course_rate
 from imugap.io.gnss import COMPONENTS, PLACE_STD
 from imugap.io.recognition import frame
 from imugap.io.recording import Recording
+from imugap.kinematics.strapdown import ATTITUDE
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.navigation.drive import (
     clock_rate,
@@ -325,7 +326,7 @@ def mounted(log: pd.DataFrame, mounting: tuple[float, float, float]) -> pd.DataF
     force = turned[list(ACCEL)].mean().to_numpy()
     if not points_up(force):
         shown = ", ".join(f"{value:.2f}" for value in force)
-        angles = ", ".join(f"{name}_deg: {one:.4g}" for name, one in zip(EULER, np.degrees(mounting), strict=True))
+        angles = ", ".join(f"{name}_deg: {one:.4g}" for name, one in zip(ATTITUDE, np.degrees(mounting), strict=True))
         raise ValueError(
             f"drive: expected a mean specific force that points up, accel_z near -9.8 m/s^2; found {shown} m/s^2 "
             + (f"with mounting: {{{angles}}}, which gravity contradicts" if any(mounting) else

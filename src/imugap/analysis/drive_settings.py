@@ -16,6 +16,7 @@ from imugap.interchange.plugins import catalogue
 from imugap.interchange.start_models.catalogue import ModelFile
 from imugap.io import configuration
 from imugap.io.gnss import PLACE_STD, VELOCITY_STD
+from imugap.kinematics.strapdown import ATTITUDE
 from imugap.log import ACCEL, GYRO
 from imugap.model import ErrorModel
 from imugap.navigation.drive import clock_rate
@@ -23,7 +24,6 @@ from imugap.navigation.drive.drive_error_search import FACTOR_KEYS
 from imugap.navigation.drive.vehicle import AlignmentSettings, DriveAssumptions, DriveInputs
 
 SCHEMA = Path(__file__).with_name("drive.schema.yaml")
-EULER = ("roll", "pitch", "heading")
 CONTROLS = ("robust", "steepness", "false_alarm", "gated", "reset_s")
 """Settings of the quality control of the same name in the configuration."""
 GYRO_CLASS = {"white_noise": {"density": 2e-4}, "gauss_markov": {"std": 5e-3, "correlation_time": 3600}}
@@ -102,7 +102,7 @@ class DriveSettings:
         alignment = AlignmentSettings(
             speed=start["speed_m_per_s"], rest_s=start["rest_s"], course_std=course, heading_std=heading, tilt_std=tilt
         )
-        mounting = tuple(np.radians([values["mounting"][f"{name}_deg"] for name in EULER]))
+        mounting = tuple(np.radians([values["mounting"][f"{name}_deg"] for name in ATTITUDE]))
         return cls(model, mounting, assumptions, control, alignment, offset["rate_ppm"] * clock_rate.PPM)
 
     @classmethod
@@ -126,7 +126,7 @@ class DriveSettings:
         """Return the configuration without its model, in the keys of the schema; what is at its default is left out."""
         own, control, start = self.assumptions, self.quality, self.alignment
         values = {
-            "mounting": dict(zip((f"{name}_deg" for name in EULER), map(_degrees, self.mounting), strict=True)),
+            "mounting": dict(zip((f"{name}_deg" for name in ATTITUDE), map(_degrees, self.mounting), strict=True)),
             "lever_arm": {**_by_axis(own.lever_m), "std_m": own.lever_std},
             "time_offset": {
                 "offset_s": own.time_offset_s, "rate_ppm": self.clock_rate / clock_rate.PPM,

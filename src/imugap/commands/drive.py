@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
     happened = ", ".join(" ".join(row) for row in events(summary)) or "none"
     rows = (
         *extent(summary), drift_text(summary), ("NIS", consistency(summary)), ("events at fixes", happened),
-        ("to paste", f"{report.parent / SETTINGS_FILE}, with {MODEL_FILE} beside it"),
+        ("settings in use", f"{report.parent / SETTINGS_FILE}, with {MODEL_FILE}"),
     )  # fmt: skip
     print(json_text(summary) if options.json else summary_text(found.verdict, rows, report))
     return DISAGREES if options.strict and not found.agrees else 0

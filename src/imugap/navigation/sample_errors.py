@@ -85,4 +85,4 @@ SAMPLE_ERRORS = (
         _scaled([1, 4], -1.0),
     ),
 )  # fmt: skip
-"""Errors that are tried; of those that are not told apart the first is named."""
+"""Errors that are tried; of several that explain the motion equally, the first is named."""

@@ -17,11 +17,7 @@ OVER_TIME = {
     "height": "Height above the ellipsoid, and the standard deviation of the horizontal position.",
     "heading": "Heading, and its standard deviation.",
 }
-EXTENT = {
-    "duration_s": "duration [s]", "distance_m": "distance [m]", "fixes": "fixes", "outages": "outages",
-    "longest_outage_s": "longest outage [s]", "end_horizontal_std_m": "σ of the position at the end [m]",
-    "end_heading_std_deg": "σ of the heading at the end [°]",
-}  # fmt: skip
+EXTENT = {"duration_s": "duration [s]", "distance_m": "distance [m]", "fixes": "fixes"}
 CONSISTENCY = (
     "The normalised innovation squared (NIS) is the mean square of what the fixes say beyond the prediction, over what "
     "the filter states: 1 if the filter knows its errors."
@@ -57,8 +53,13 @@ def page(found: NavigatedDrive) -> Page:
 
 
 def extent(summary: Mapping) -> tuple[tuple[str, str], ...]:
-    """Return title and value of each number of the extent."""
-    return tuple((title, f"{summary[key]:.4g}") for key, title in EXTENT.items())
+    """Return title and value of each row of the extent."""
+    longest = f", the longest {summary['longest_outage_s']:.4g} s" if summary["outages"] else ""
+    ends = f"{summary['end_horizontal_std_m']:.4g} m horizontally, {summary['end_heading_std_deg']:.4g}° of heading"
+    return (
+        *((title, f"{summary[key]:.4g}") for key, title in EXTENT.items()),
+        ("outages", f"{summary['outages']}{longest}"), ("σ at the end", ends),
+    )  # fmt: skip
 
 
 def events(summary: Mapping) -> tuple[tuple[str, str], ...]:

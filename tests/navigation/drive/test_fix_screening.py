@@ -114,15 +114,15 @@ def test_velocities_of_no_known_unit_get_no_name(sound):
 
 
 @pytest.mark.parametrize("delay", [0.6, -0.4])
-def test_the_delay_of_velocities_against_the_positions_is_told(sound, delay):
+def test_the_delay_of_velocities_against_the_positions_is_estimated(sound, delay):
     late = sound.assign(**{name: np.interp(sound.index - delay, sound.index, sound[name]) for name in SPEEDS})
-    found, told, (correction,) = screen(late, STD)
+    found, estimate, (correction,) = screen(late, STD)
     assert correction.error == "delay of velocities"
-    assert f"velocity_delay_s: {told:.3f}" in correction.setting
-    assert told == pytest.approx(delay, abs=0.1)
+    assert f"velocity_delay_s: {estimate:.3f}" in correction.setting
+    assert estimate == pytest.approx(delay, abs=0.1)
     assert found.equals(late)
-    again = screen(late, STD, told)
-    assert again.delay_s == told
+    again = screen(late, STD, estimate)
+    assert again.delay_s == estimate
     assert not again.corrections
 
 

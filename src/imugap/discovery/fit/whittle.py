@@ -258,7 +258,7 @@ def _variance(effect: StochasticEffect, bins: Bins) -> np.ndarray:
 
 @lru_cache(maxsize=CACHED_SHAPES)
 def _unit_variance(effect: StochasticEffect, bins: Bins) -> np.ndarray:
-    """Return that variance, for processes of which many fits have nothing but the size to adjust."""
+    """Return the variance in each bin of a process of unit size, shape (bins,), cached for fits of its size alone."""
     shape = _variance(effect, bins)
     shape.flags.writeable = False
     return shape

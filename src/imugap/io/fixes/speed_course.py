@@ -15,10 +15,11 @@ import pandas as pd
 from imugap.io.fixes import fix_units
 from imugap.io.gnss import PLACE_STD, VELOCITY_STD
 from imugap.kinematics.strapdown import VELOCITY
+from imugap.numerics.samples.chi_square import squared_radius
 
 SPEED, COURSE, RADIUS, HEIGHT_STD, SPEED_STD = "speed", "course", "radius", "sd_height", "sd_speed"
 COLUMNS = (SPEED, COURSE, RADIUS, HEIGHT_STD, SPEED_STD)
-SIGMAS = float(np.sqrt(-2 * np.log(1 - 0.68)))
+SIGMAS = float(np.sqrt(squared_radius(0.68)))
 """Radius that holds 68 % of the horizontal errors, in standard deviations of a component."""
 SLOWEST = 2.0
 """Mean speed by the places from which on these tell the unit of a speed [m/s]."""
@@ -75,6 +76,6 @@ def _unit(table: pd.DataFrame, speed: pd.Series) -> str | None:
     moving = [one for one in implied if one[0] > SLOWEST and np.isfinite(one[1])]
     if len(moving) < len(implied) / 10 or not moving:
         return "m/s"
-    ratio = float(np.median([told / by_places for by_places, told in moving]))
+    ratio = float(np.median([speed_read / by_places for by_places, speed_read in moving]))
     best = min(UNITS, key=lambda unit: abs(np.log(ratio * fix_units.SPEEDS[unit])))
     return best if abs(np.log(ratio * fix_units.SPEEDS[best])) < UNIT_SHARE else None

@@ -16,6 +16,7 @@ from typing import NamedTuple, NoReturn
 import numpy as np
 import pandas as pd
 
+from imugap.kinematics.strapdown import ATTITUDE
 from imugap.log import ACCEL, GYRO
 from imugap.navigation.drive.clock_rate import clock_correction, with_clock, with_drift
 from imugap.navigation.drive.correction import Correction
@@ -216,7 +217,7 @@ def with_mounting(
     roll, pitch, heading = map(float, to_euler(turn * from_euler(np.array(mounting))))
     side = "right" if angle > 0 else "left"
     found = f"the device points {np.degrees(abs(angle)):.0f} deg to the {side} of the course"
-    whole = zip(("roll", "pitch", "heading"), np.degrees([roll, pitch, heading]), strict=True)
+    whole = zip(ATTITUDE, np.degrees([roll, pitch, heading]), strict=True)
     setting = f"mounting: {{{', '.join(f'{name}_deg: {round(one)}' for name, one in whole)}}}"
     named = Correction("mounting", found, setting)
     return replace(inputs, log=inputs.log.assign(**columns)), (roll, pitch, heading), (named,)

@@ -4,7 +4,7 @@ Left out are fixes from which the rest of the drive is out of reach, at the star
 before it has a lock, fixes that repeat the place of the one before in motion, fixes that were interpolated between
 others, and a vertical velocity that never changes. Velocities are compared with the displacements: over spans of some
 seconds the displacement is the integral of the velocity. A unit, a sign or an order of columns that explains the
-difference is refused with its name; of velocities that are late against the positions the delay is told; those that
+difference is refused with its name; the delay of velocities against the positions is estimated; velocities that
 contradict them in another way are left out.
 """
 

@@ -203,7 +203,7 @@ def _without_course(
     if fastest <= settings.speed:
         return f"{found}: a vehicle at rest shows none, unless it is slow (start: {{speed_m_per_s: {fastest / 2:.1g}}})"
     if best > LARGEST_COURSE_STD:
-        return f"{found}, of which the noise of a fix leaves none (receiver: {{horizontal_m, horizontal_m_per_s}})"
+        return f"{found}: the noise of the fixes hides every course (receiver: {{horizontal_m, horizontal_m_per_s}})"
     degrees = np.ceil(np.degrees(best) + 0.5)
     return f"{found}; start: {{course_std_deg: {degrees:.0f}}} takes the best one"
 

@@ -652,7 +652,7 @@ def _weights(
 
 
 def _change_variance(samples: np.ndarray, blind: float) -> np.ndarray:
-    """Return the variance of the interval means by changes between samples, shape (n, 3); of a share ``blind``."""
+    """Return the variance of interval means that miss a share ``blind`` of each change of a sample, shape (n, 3)."""
     return (blind * np.diff(samples, axis=0, prepend=samples[:1])) ** 2
 
 
