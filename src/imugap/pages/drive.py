@@ -79,10 +79,10 @@ SETTINGS = (
     "--config settings.yaml gives the same result, with what was left out of the fixes left out again."
 )
 DRIFT = (
-    "Of each window the fixes were withheld; the filter predicts from its begin to its end, where the fix says how far "
-    "it drifted, across the ground. The ratio compares with what the filter states: it lies in its band for 95 % of "
-    "the filters that know their errors; above, the drift is larger than stated, below, smaller. The numbers hold the "
-    "noise of the fixes."
+    "The fixes within each window were withheld. The filter predicts from the begin of the window to its end, where the "
+    "fix shows how far it drifted horizontally. The ratio compares the drift with what the filter states: for 95 % of "
+    "consistent filters it lies in its band. Above the band the drift is larger than stated, below it smaller. All "
+    "numbers include the noise of the fixes."
 )
 NO_ROOM = "The drive is too short for a window without fixes."
 NOISE = (
