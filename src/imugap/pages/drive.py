@@ -79,8 +79,8 @@ SETTINGS = (
     "--config settings.yaml gives the same result, with what was left out of the fixes left out again."
 )
 DRIFT = (
-    "The fixes within each window were withheld. The filter predicts from the begin of the window to its end, where the "
-    "fix shows how far it drifted horizontally. The ratio compares the drift with what the filter states: for 95 % of "
+    "The fixes within each window were withheld. The filter predicts from the begin of the window to its end, where "
+    "the fix shows how far it drifted horizontally. The ratio compares the drift with what it states: for 95 % of "
     "consistent filters it lies in its band. Above the band the drift is larger than stated, below it smaller. All "
     "numbers include the noise of the fixes."
 )
